@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one interface an integrator implements: the client's view of the robot's own estimator.
+#ifndef OVERTONE_CLIENT_HOST_ESTIMATOR_H_
+#define OVERTONE_CLIENT_HOST_ESTIMATOR_H_
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "overtone/core/common/timestamp.h"
+#include "overtone/core/geometry/se3.h"
+#include "overtone/core/synchronization/constraint.h"
+
+namespace overtone {
+
+// One keyframe as the onboard estimator sees it now.
+struct OnboardPose {
+  int64_t index = 0;  // the index it was uploaded under
+  Timestamp stamp;
+  Rigid3d estimate_from_body;  // any fixed frame of the host's; only relative poses are compared
+};
+
+enum class LinkState {
+  kConnecting,  // no server yet, or reconnecting
+  kLive,        // frames or heartbeats arrive
+  kStale,       // nothing heard for MappingClientOptions::stale_after
+};
+
+// All calls come from one thread of the client's (the synchronisation thread), never two at once, and never from
+// inside a call into MappingClient. An exception that leaves one of them is caught and logged, and the batch counts as refused.
+class HostEstimator {
+ public:
+  virtual ~HostEstimator() = default;
+
+  // The current estimate of every keyframe of this mission that the host still holds, index increasing.
+  virtual std::vector<OnboardPose> Trajectory() = 0;
+
+  // Applies a batch at once. Not ok: the host could not; the client will offer it anew after the next comparison.
+  virtual absl::Status ApplyConstraints(const ConstraintBatch& batch) = 0;
+
+  virtual void OnLinkState(LinkState /*state*/) {}
+
+  // The server refused a submap for good (InvalidArgument, AlreadyExists, ...): the reason, once for each.
+  virtual void OnSubmapRejected(int64_t /*sequence*/, const absl::Status& /*reason*/) {}
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_HOST_ESTIMATOR_H_

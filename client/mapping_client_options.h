@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef OVERTONE_CLIENT_MAPPING_CLIENT_OPTIONS_H_
+#define OVERTONE_CLIENT_MAPPING_CLIENT_OPTIONS_H_
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "absl/time/time.h"
+#include "overtone/core/common/ids.h"
+#include "overtone/core/synchronization/synchronization_options.h"
+
+namespace overtone {
+
+enum class LogLevel { kInfo, kWarning, kError };
+
+struct MappingClientOptions {
+  std::string server = "localhost:7077";  // host:port
+  std::string map = "default";            // id rule of core/common/ids.h
+  MissionId mission;                      // robot and mission; a new mission for every run of the robot
+
+  // Submaps waiting for the server's acknowledgement. When full, AddSubmap answers ResourceExhausted.
+  int64_t outbox_capacity_bytes = 256 << 20;
+
+  // Nodes the server may send, 0: the server's own limit. The server Kron-reduces above it.
+  int32_t max_nodes = 0;
+  // COMPACT and DELTA frames: a tenth of the bytes; false: PLAIN, for debugging.
+  bool compact = true;
+  // Ask for the graph of every mission, not only of our own.
+  bool whole_map = false;
+
+  // Compare and correct whenever a new revision arrives, but not more often than this. Infinite: only when the
+  // host calls Synchronize().
+  absl::Duration min_time_between_comparisons = absl::Seconds(1);
+
+  absl::Duration initial_backoff = absl::Milliseconds(100);
+  absl::Duration max_backoff = absl::Seconds(10);
+  // Nothing heard for so long: LinkState::kStale.
+  absl::Duration stale_after = absl::Seconds(15);
+
+  SynchronizationOptions synchronization;
+
+  // Where the library's messages go; none by default. Called from the client's threads.
+  std::function<void(LogLevel, absl::string_view)> log;
+
+  absl::Status Validate() const;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_MAPPING_CLIENT_OPTIONS_H_
