@@ -1,0 +1,17 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Installs what is missing, checks schema and format, builds everything and runs every test. On a bare Debian 12, as root:
+#   tests/run.sh                 all tests
+#   tests/run.sh -LE data        what follows goes to ctest
+set -eu
+cd "$(dirname "$0")/.."
+docker/install_packages.sh client server test lint
+
+proto/check.sh
+git ls-files '*.cc' '*.h' | xargs clang-format --dry-run --Werror
+
+# Parallel compilations of gRPC code need about 1.5 GB each.
+jobs=$(awk -v cores="$(nproc)" '/MemAvailable/ { n = int($2 / 1500000); print n < 1 ? 1 : n < cores ? n : cores }' /proc/meminfo)
+cmake --preset dev
+cmake --build --preset dev --parallel "$jobs"
+ctest --test-dir build/dev --output-on-failure --parallel 2 "$@"
