@@ -18,7 +18,8 @@ enum class DistanceMetric {
   kSe3,       // sqrt(tr(Xi M Xi^T)), Xi = wedge(Log(a^-1 b)); with M = I: sqrt(|rho|^2 + 2 |phi|^2)
   kR3,        // |p_a - p_b|
   kSo3,       // geodesic angle
-  kSo3Trace,  // |tr(R_a R_b^T)|: a similarity, kept to compare with the paper; its edge weight is the trace itself
+  kSo3Trace,  // tr(R_a R_b^T): a similarity (3 when equal, negative beyond 90 deg), kept to compare
+              // with the paper; its edge weight is the trace's magnitude itself
 };
 
 // M = diag(m0, m1, m2, m3) of the se3 metric: three for the columns of phi^x, one for rho.
@@ -26,7 +27,8 @@ struct MetricWeights {
   Eigen::Vector4d diagonal = Eigen::Vector4d::Ones();
 };
 
-// The prototype's signal metric, diag(10, 10, 0.001, 0.001), kept for the golden vectors: 1 m counts 0.03, 1 rad 3 to 4.5.
+// The prototype's signal metric, diag(10, 10, 0.001, 0.001), kept for the golden vectors: 1 m
+// counts 0.03, 1 rad 3 to 4.5.
 MetricWeights PrototypeSignalWeights();
 
 struct RadiusGraphOptions {
@@ -38,11 +40,16 @@ struct RadiusGraphOptions {
   absl::Status Validate() const;
 };
 
-double PoseDistance(const Rigid3d& a, const Rigid3d& b, DistanceMetric metric, const MetricWeights& weights);
+// Log is never formed: |rho| follows from the lengths of the translation along and across the
+// rotation axis.
+double PoseDistance(const Rigid3d& a, const Rigid3d& b, DistanceMetric metric,
+                    const MetricWeights& weights);
 
 // Symmetric adjacency, n x n, no self loops; both (i, j) and (j, i) stored. O(n log n + edges).
-// InvalidArgument: options invalid, or a pose is not finite.
-absl::StatusOr<SparseMatrix> RadiusGraphAdjacency(const std::vector<Rigid3d>& poses, const RadiusGraphOptions& options);
+// InvalidArgument: options invalid, or a pose is not finite. ResourceExhausted: more than 30
+// million edges (a robot that stood still for hours without keyframing; 360 MB).
+absl::StatusOr<SparseMatrix> RadiusGraphAdjacency(const std::vector<Rigid3d>& poses,
+                                                  const RadiusGraphOptions& options);
 
 }  // namespace overtone
 

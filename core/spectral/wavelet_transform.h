@@ -19,18 +19,20 @@ enum class FilterMethod {
 };
 
 struct WaveletOptions {
-  int num_scales = 6;            // 3..9; index 0 = lowest graph frequency = widest neighbourhood
+  int num_scales = 6;  // 3..9; index 0 = lowest graph frequency = widest neighbourhood
   FilterMethod method = FilterMethod::kAuto;
-  int exact_up_to_nodes = 300;   // kAuto
-  double tolerance = 1e-4;       // kFast: largest error over the largest coefficient
+  int exact_up_to_nodes = 300;  // kAuto
+  double tolerance = 1e-4;      // kFast: largest error over the largest coefficient
 
   absl::Status Validate() const;
 };
 
-// result[s](n, c) = (g_s(L) f_c)_n for the Meyer bank g of `laplacian` (n x n, symmetric, rows sum to 0) and the signals f_c, the
-// columns of `signals` (n x c). Since server and robot share psi, the difference of their coefficients is the
-// transform of the difference of their signals: pass that.
-absl::StatusOr<std::vector<Eigen::MatrixXd>> WaveletCoefficients(const SparseMatrix& laplacian, const Eigen::MatrixXd& signals,
+// result[s](n, c) = (g_s(L) f_c)_n for the Meyer bank g of `laplacian` (n x n, symmetric, rows sum
+// to 0) and the signals f_c, the columns of `signals` (n x c). Since server and robot share psi,
+// the difference of their coefficients is the transform of the difference of their signals: pass
+// that.
+absl::StatusOr<std::vector<Eigen::MatrixXd>> WaveletCoefficients(const SparseMatrix& laplacian,
+                                                                 const Eigen::MatrixXd& signals,
                                                                  const WaveletOptions& options);
 
 }  // namespace overtone
