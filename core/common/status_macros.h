@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// RETURN_IF_ERROR and ASSIGN_OR_RETURN for absl::Status and absl::StatusOr (Debian 12's abseil has none).
+// RETURN_IF_ERROR and ASSIGN_OR_RETURN for absl::Status and absl::StatusOr (Debian 12's abseil has
+// none).
 #ifndef OVERTONE_CORE_COMMON_STATUS_MACROS_H_
 #define OVERTONE_CORE_COMMON_STATUS_MACROS_H_
 
@@ -9,9 +10,9 @@
 #include "absl/status/statusor.h"
 
 // RETURN_IF_ERROR(DoIt());
-#define RETURN_IF_ERROR(expr)                         \
-  do {                                                \
-    absl::Status overtone_status = (expr);            \
+#define RETURN_IF_ERROR(expr)                          \
+  do {                                                 \
+    absl::Status overtone_status = (expr);             \
     if (!overtone_status.ok()) return overtone_status; \
   } while (false)
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Time on a robot's clock, in integer nanoseconds. Never a double: today's epoch leaves 256 ns steps there.
+// Time on a robot's clock, in integer nanoseconds. Never a double: today's epoch leaves 256 ns
+// steps there.
 #ifndef OVERTONE_CORE_COMMON_TIMESTAMP_H_
 #define OVERTONE_CORE_COMMON_TIMESTAMP_H_
 

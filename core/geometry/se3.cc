@@ -56,8 +56,7 @@ Eigen::Matrix3d CouplingBlock(const Eigen::Vector3d& rho, const Eigen::Vector3d&
   const TrigonometricSeries f = Series(phi.norm());
   const Eigen::Matrix3d r = Skew(rho), p = Skew(phi);
   const Eigen::Matrix3d pr = p * r, rp = r * p, prp = pr * p, pp = p * p;
-  return 0.5 * r + f.x_minus_sin * (pr + rp + prp) +
-         f.x2_plus_2cos * (pp * r + r * pp - 3 * prp) +
+  return 0.5 * r + f.x_minus_sin * (pr + rp + prp) + f.x2_plus_2cos * (pp * r + r * pp - 3 * prp) +
          f.two_x_minus_3sin * (prp * p + p * prp);
 }
 
@@ -125,7 +124,8 @@ Matrix6d InverseLeftJacobian(const Vector6d& xi) {
   const Eigen::Matrix3d rotation_block = InverseLeftJacobianSO3(phi);
   Matrix6d inverse = Matrix6d::Zero();
   inverse.topLeftCorner<3, 3>() = rotation_block;
-  inverse.topRightCorner<3, 3>() = -rotation_block * CouplingBlock(xi.head<3>(), phi) * rotation_block;
+  inverse.topRightCorner<3, 3>() =
+      -rotation_block * CouplingBlock(xi.head<3>(), phi) * rotation_block;
   inverse.bottomRightCorner<3, 3>() = rotation_block;
   return inverse;
 }

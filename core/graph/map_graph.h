@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The graph a robot receives: selected nodes of the optimised map, and sparse weighted edges or the rule for them.
+// The graph a robot receives: selected nodes of the optimised map, and sparse weighted edges or the
+// rule for them.
 #ifndef OVERTONE_CORE_GRAPH_MAP_GRAPH_H_
 #define OVERTONE_CORE_GRAPH_MAP_GRAPH_H_
 
@@ -22,15 +23,17 @@ struct MapNode {
 
 struct MapMission {
   MissionId id;
-  // True: in the map's root component, poses are in the map frame. False: poses are in a frame of the mission's
-  // own component and say nothing about where it is in the map.
+  // True: in the map's root component, poses are in the map frame. False: poses are in a frame of
+  // the mission's own component and say nothing about where it is in the map.
   bool anchored = false;
   int component = 0;
   Rigid3d map_from_mission;
-  std::vector<MapNode> nodes;  // index strictly increasing; the mission's last keyframe is always here
+  std::vector<MapNode>
+      nodes;  // index strictly increasing; the mission's last keyframe is always here
 };
 
-// Undirected, between positions in the concatenation of all missions' nodes; first < second, weight > 0.
+// Undirected, between positions in the concatenation of all missions' nodes; first < second, weight
+// > 0.
 struct MapEdge {
   int first = 0;
   int second = 0;
@@ -38,8 +41,8 @@ struct MapEdge {
 };
 
 struct MapGraph {
-  uint64_t revision = 0;   // 0: nothing published yet
-  uint64_t map_epoch = 0;  // changes when a map is restored or rolled back
+  uint64_t revision = 0;             // 0: nothing published yet
+  uint64_t map_epoch = 0;            // changes when a map is restored or rolled back
   std::vector<MapMission> missions;  // sorted by id
   // Kron-reduced weights. Empty when the receiver rebuilds the edges by rule from the poses.
   std::vector<MapEdge> edges;

@@ -15,7 +15,8 @@ struct PoseGraphEdge {
   int from = 0;  // positions in PoseGraph::poses
   int to = 0;
   Rigid3d from_tform_to;
-  Matrix6d information = Matrix6d::Identity();  // inverse covariance, right tangent of from_tform_to
+  Matrix6d information =
+      Matrix6d::Identity();  // inverse covariance, right tangent of from_tform_to
   EdgeKind kind = EdgeKind::kOdometry;
 };
 
