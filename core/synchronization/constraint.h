@@ -23,26 +23,32 @@ enum class ConstraintKind {
 
 absl::string_view ToString(ConstraintKind kind);  // "small", "mid", ...
 
-// A relative pose between two keyframes of the robot's own mission, taken from the server's estimate.
+// "mid:5-15": what a constraint of this kind between these keyframes is always called.
+std::string ConstraintId(ConstraintKind kind, int64_t from, int64_t to);
+
+// A relative pose between two keyframes of the robot's own mission, taken from the server's
+// estimate.
 struct Constraint {
-  std::string id;  // deterministic: the same kind and nodes always give the same id, e.g. "mid:5-15"
+  std::string
+      id;  // deterministic: the same kind and nodes always give the same id, e.g. "mid:5-15"
   ConstraintKind kind = ConstraintKind::kSmall;
   int64_t from = 0;  // keyframe indices
   int64_t to = 0;
   Rigid3d from_tform_to;
-  // Right tangent, translation first: [rho; phi]. GTSAM orders rotation first: swap the 3x3 blocks for its
-  // Pose3, as docs/integrating.md shows.
+  // Right tangent, translation first: [rho; phi]. GTSAM orders rotation first: swap the 3x3 blocks
+  // for its Pose3, as docs/integrating.md shows.
   Matrix6d covariance = Matrix6d::Identity();
   double score = 0;  // the discrepancy that asked for it, in units of the signal
   uint64_t revision = 0;
 };
 
-// All changes one comparison asks for, to be applied together: one relinearisation instead of one per constraint.
+// All changes one comparison asks for, to be applied together: one relinearisation instead of one
+// per constraint.
 struct ConstraintBatch {
   uint64_t revision = 0;
   uint64_t map_epoch = 0;
   std::vector<Constraint> add;
-  std::vector<Constraint> update;   // known id, new transform
+  std::vector<Constraint> update;    // known id, new transform
   std::vector<std::string> retract;  // ids that the server's estimate no longer supports
 
   bool empty() const { return add.empty() && update.empty() && retract.empty(); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that steers a comparison, in one place. Defaults after Bernreiter et al. 2024 where it states them.
+// Everything that steers a comparison, in one place. Defaults after Bernreiter et al. 2024 where it
+// states them.
 #ifndef OVERTONE_CORE_SYNCHRONIZATION_SYNCHRONIZATION_OPTIONS_H_
 #define OVERTONE_CORE_SYNCHRONIZATION_SYNCHRONIZATION_OPTIONS_H_
 
@@ -13,15 +14,17 @@ namespace overtone {
 
 // What is compared at each node.
 enum class SignalKind {
-  kDistance,  // paper: distance from the mission's origin (its first associated node) in the signal metric
-  kSe3Log,    // ours: the six channels of Log(T_origin^-1 T_n); sees drift tangential to the sphere around the origin
+  kDistance,  // paper: distance from the mission's origin (its first associated node) in the signal
+              // metric
+  kSe3Log,    // ours: the six channels of Log(T_origin^-1 T_n); sees drift tangential to the sphere
+              // around the origin
 };
 
 enum class SelectionStrategy {
   kNone,              // never correct
   kTopN,              // paper: the n largest entries of the N x 3 discrepancy table
   kThreshold,         // the earlier paper: every entry above a threshold
-  kUniform,           // n equal chords along the mission
+  kUniform,           // n chords that cut the mission into stretches of equal path length
   kRandom,            // n chords between random nodes, seeded
   kLargestEdgeError,  // the n consecutive node pairs whose relative pose differs most
   kAll,               // every consecutive pair
@@ -29,17 +32,24 @@ enum class SelectionStrategy {
 
 struct SelectionOptions {
   SelectionStrategy strategy = SelectionStrategy::kTopN;
-  int n = 15;                   // paper: 15 per comparison
-  double min_discrepancy = 0.1;  // floor of kTopN and threshold of kThreshold, in units of the signal
-  uint64_t seed = 1;            // kRandom
+  // Labels (node, band) for kTopN, each of which becomes a few constraints; constraints for
+  // kUniform, kRandom and kLargestEdgeError. Paper: 15 per comparison.
+  int n = 15;
+  double min_discrepancy =
+      0.1;            // floor of kTopN and threshold of kThreshold, in units of the signal
+  uint64_t seed = 1;  // kRandom
+
+  absl::Status Validate() const;  // InvalidArgument naming the member
 };
 
 struct ConstraintOptions {
-  int mid_hops = 10;                          // mid band: to nodes i - hops and i + hops
-  double large_min_distance_m = 5;            // large band: to submap pivots no nearer than this, ...
-  double large_min_path_m = 20;               // ... at least so far along the path (arc length) ...
-  double large_max_distance_m = 50;           // ... and no further than this,
-  int large_neighbors = 3;                    // the k nearest of them
+  int mid_hops = 10;  // mid band: to nodes i - hops and i + hops
+  // Large band: to the pivots (middle nodes) of other submaps. All distances are taken from the
+  // pivot of the node's own submap, on the server's poses:
+  double large_min_distance_m = 5;   // no nearer than this, ...
+  double large_min_path_m = 20;      // ... at least so far along the path (arc length) ...
+  double large_max_distance_m = 50;  // ... and no further than this;
+  int large_neighbors = 3;           // of those the k nearest
   // Standard deviations of a constraint, for hosts to weigh it against their odometry.
   double sigma_translation_m = 0.03;
   double sigma_rotation_rad = 0.01;
@@ -47,14 +57,18 @@ struct ConstraintOptions {
   // A known constraint is sent again only when it moved by more than either.
   double min_translation_change_m = 0.02;
   double min_rotation_change_rad = 0.005;
+
+  absl::Status Validate() const;  // InvalidArgument naming the member
 };
 
 struct SynchronizationOptions {
-  RadiusGraphOptions graph;    // metric of the edges
+  RadiusGraphOptions graph;  // metric of the edges
   WaveletOptions wavelets;
   SignalKind signal = SignalKind::kDistance;
-  MetricWeights signal_weights;  // isotropic by default; the prototype's is PrototypeSignalWeights()
-  // Largest difference of stamps for association by time, where the server's nodes carry no known index.
+  MetricWeights
+      signal_weights;  // isotropic by default; the prototype's is PrototypeSignalWeights()
+  // Largest difference of stamps for association by time, where the server's nodes carry no known
+  // index.
   double association_tolerance_s = 0.5;
   // True: build psi on the whole multi-robot graph instead of on the robot's own nodes.
   bool multi_robot_graph = false;

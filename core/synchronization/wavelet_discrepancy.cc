@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/core/synchronization/wavelet_discrepancy.h"
+
+#include <cmath>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/core/spectral/graph_laplacian.h"
+#include "overtone/core/synchronization/trajectory_signal.h"
+
+namespace overtone {
+namespace {
+
+constexpr int kMinCommonNodes = 3;
+
+// The nodes psi lives on.
+struct Domain {
+  std::vector<Rigid3d> map_from_body;
+  std::vector<int> node_of_row;       // row of the comparison -> position here
+  std::vector<int> node_of_position;  // position in the concatenation of all missions' nodes ->
+                                      // position here, or -1
+};
+
+const MapMission* FindMission(const MapGraph& graph, const MissionId& id) {
+  for (const MapMission& mission : graph.missions) {
+    if (mission.id == id) return &mission;
+  }
+  return nullptr;
+}
+
+TrajectoryComparison Associate(const MapGraph& graph, const MapMission& mission,
+                               const std::vector<NodePose>& onboard,
+                               const std::vector<NodeMatch>& matches) {
+  TrajectoryComparison comparison;
+  comparison.revision = graph.revision;
+  comparison.map_epoch = graph.map_epoch;
+  std::vector<bool> matched(onboard.size(), false);
+  int next_node = 0;
+  for (const NodeMatch& match : matches) {
+    // A submap starts at its first associated node.
+    bool submap_start = false;
+    for (; next_node <= match.server; ++next_node) {
+      submap_start = submap_start || mission.nodes[next_node].submap_start;
+    }
+    const MapNode& node = mission.nodes[match.server];
+    matched[match.onboard] = true;
+    comparison.keyframe_index.push_back(onboard[match.onboard].index);
+    comparison.server.push_back(node.map_from_body);
+    comparison.onboard.push_back(onboard[match.onboard].estimate_from_body);
+    comparison.submap_start.push_back(submap_start);
+    comparison.degenerate.push_back(node.degenerate);
+  }
+  for (int i = 0; i < onboard.size(); ++i) {
+    if (!matched[i]) comparison.unmatched.push_back(onboard[i]);
+  }
+  return comparison;
+}
+
+Domain MakeDomain(const MapGraph& graph, const MapMission& own,
+                  const std::vector<NodeMatch>& matches, bool multi_robot) {
+  Domain domain;
+  for (const MapMission& mission : graph.missions) {
+    const size_t begin = domain.node_of_position.size();
+    domain.node_of_position.resize(begin + mission.nodes.size(), -1);
+    if (multi_robot && mission.component == own.component) {
+      for (int i = 0; i < mission.nodes.size(); ++i) {
+        domain.node_of_position[begin + i] = static_cast<int>(domain.map_from_body.size());
+        domain.map_from_body.push_back(mission.nodes[i].map_from_body);
+      }
+    }
+    if (&mission != &own) continue;
+    for (const NodeMatch& match : matches) {
+      int& node = domain.node_of_position[begin + match.server];
+      if (!multi_robot) {
+        node = static_cast<int>(domain.map_from_body.size());
+        domain.map_from_body.push_back(own.nodes[match.server].map_from_body);
+      }
+      domain.node_of_row.push_back(node);
+    }
+  }
+  return domain;
+}
+
+absl::StatusOr<SparseMatrix> AdjacencyFromEdges(const std::vector<MapEdge>& edges,
+                                                const Domain& domain) {
+  const int num_positions = static_cast<int>(domain.node_of_position.size());
+  std::vector<Eigen::Triplet<double>> weights;
+  weights.reserve(2 * edges.size());
+  for (int e = 0; e < edges.size(); ++e) {
+    const MapEdge& edge = edges[e];
+    if (edge.first < 0 || edge.first >= edge.second || edge.second >= num_positions ||
+        !(edge.weight > 0) || !std::isfinite(edge.weight)) {
+      return absl::InvalidArgumentError(absl::StrCat("graph.edges[", e, "]: not a valid edge"));
+    }
+    const int first = domain.node_of_position[edge.first];
+    const int second = domain.node_of_position[edge.second];
+    if (first < 0 || second < 0) continue;
+    weights.emplace_back(first, second, edge.weight);
+    weights.emplace_back(second, first, edge.weight);
+  }
+  const int n = static_cast<int>(domain.map_from_body.size());
+  SparseMatrix adjacency(n, n);
+  adjacency.setFromTriplets(weights.begin(), weights.end());
+  return adjacency;
+}
+
+}  // namespace
+
+Band BandOfScale(int scale, int num_scales) { return static_cast<Band>(3 * scale / num_scales); }
+
+absl::StatusOr<Eigen::MatrixXd> WaveletDiscrepancy(const SparseMatrix& adjacency,
+                                                   const Eigen::MatrixXd& signal_difference,
+                                                   const WaveletOptions& options) {
+  ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> coefficients,
+                   WaveletCoefficients(GraphLaplacian(adjacency), signal_difference, options));
+  Eigen::MatrixXd discrepancy = Eigen::MatrixXd::Zero(signal_difference.rows(), 3);
+  for (int s = 0; s < options.num_scales; ++s) {
+    const int band = static_cast<int>(BandOfScale(s, options.num_scales));
+    discrepancy.col(band) += coefficients[s].rowwise().norm();
+  }
+  return discrepancy;
+}
+
+absl::StatusOr<TrajectoryComparison> CompareTrajectories(const MapGraph& graph,
+                                                         const MissionId& mission,
+                                                         const std::vector<NodePose>& onboard,
+                                                         const SynchronizationOptions& options) {
+  RETURN_IF_ERROR(options.Validate());
+  const MapMission* own = FindMission(graph, mission);
+  if (own == nullptr) {
+    return absl::NotFoundError(absl::StrCat("graph: no mission ", ToString(mission)));
+  }
+  ASSIGN_OR_RETURN(const std::vector<NodePose> trajectory, CheckedTrajectory(onboard));
+  const std::vector<NodeMatch> matches =
+      AssociateNodes(*own, trajectory, options.association_tolerance_s);
+  if (matches.size() < kMinCommonNodes) {
+    return absl::FailedPreconditionError(
+        absl::StrCat("graph and trajectory: ", matches.size(), " nodes in common, 3 needed"));
+  }
+  TrajectoryComparison comparison = Associate(graph, *own, trajectory, matches);
+  const Domain domain = MakeDomain(graph, *own, matches, options.multi_robot_graph);
+  ASSIGN_OR_RETURN(const SparseMatrix adjacency,
+                   graph.edges.empty() ? RadiusGraphAdjacency(domain.map_from_body, options.graph)
+                                       : AdjacencyFromEdges(graph.edges, domain));
+  if (adjacency.nonZeros() == 0) {
+    return absl::FailedPreconditionError(
+        "graph: no edge between its nodes; is radius_m too small?");
+  }
+
+  const auto signal = [&options](const std::vector<Rigid3d>& poses) {
+    return TrajectorySignal(poses, options.signal, options.graph.metric, options.signal_weights);
+  };
+  const Eigen::MatrixXd row_difference = signal(comparison.server) - signal(comparison.onboard);
+  Eigen::MatrixXd difference =
+      Eigen::MatrixXd::Zero(domain.map_from_body.size(), row_difference.cols());
+  for (int row = 0; row < row_difference.rows(); ++row) {
+    difference.row(domain.node_of_row[row]) = row_difference.row(row);
+  }
+  ASSIGN_OR_RETURN(const Eigen::MatrixXd discrepancy,
+                   WaveletDiscrepancy(adjacency, difference, options.wavelets));
+  comparison.discrepancy.resize(row_difference.rows(), 3);
+  for (int row = 0; row < row_difference.rows(); ++row) {
+    comparison.discrepancy.row(row) = discrepancy.row(domain.node_of_row[row]);
+  }
+  return comparison;
+}
+
+}  // namespace overtone
