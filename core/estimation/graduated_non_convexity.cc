@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/core/estimation/graduated_non_convexity.h"
+
+#include <algorithm>
+
+namespace overtone {
+namespace {
+
+// Solves between two weight updates need not be exact: the next ones go on from there.
+constexpr int kInnerIterations = 3;
+constexpr double kInnerFunctionTolerance = 1e-3;
+// Updates of the final 0/1 weights; more than a few mean that a closure sits on the limit and
+// flips.
+constexpr int kMaxSettlingSteps = 5;
+
+class GncRun {
+ public:
+  GncRun(const std::vector<int>& closures, const GncOptions& options, const SolveLimits& limits,
+         PoseGraphProblem& problem)
+      : closures_(closures), options_(options), limits_(limits), problem_(problem) {}
+
+  SolveSummary Run(const std::vector<double>& initial_weights) {
+    const std::vector<Rigid3d> initial_poses = problem_.Poses();
+    SetWeights(initial_weights);
+    Solve(limits_);
+    const double initial_cost = last_.initial_cost;
+    if (weights_ != ThresholdWeights()) {
+      problem_.SetPoses(initial_poses);
+      RunSchedule();
+    }
+    last_.initial_cost = initial_cost;
+    last_.iterations = iterations_;
+    return last_;
+  }
+
+ private:
+  // From the initial poses, not from the least-squares solution with all closures in use: a few
+  // gross ones turn that one inside out, and it is not convex on rotations. At first the surrogate
+  // makes closures soft against the odometry, wrong ones softest.
+  void RunSchedule() {
+    SolveLimits inner = limits_;
+    inner.max_iterations = std::min(limits_.max_iterations, kInnerIterations);
+    inner.function_tolerance = kInnerFunctionTolerance;
+    double mu = InitialControlParameter(options_.loss, LargestChiSquare(), options_.squared_limit);
+    for (int step = 0; step < options_.max_steps; ++step) {
+      SetWeights(SurrogateWeights(mu));
+      Solve(inner);
+      const double next_mu = NextControlParameter(options_.loss, mu, options_.factor);
+      if (next_mu == mu || (step > 0 && WeightsAreBinary())) break;
+      mu = next_mu;
+    }
+    Settle();
+  }
+
+  // Ends on a stationary point of the loss itself.
+  void Settle() {
+    Solve(limits_);
+    if (options_.loss == RobustLoss::kGemanMcClure) return;
+    for (int step = 0; step < kMaxSettlingSteps; ++step) {
+      const std::vector<double> next = ThresholdWeights();
+      if (next == weights_) return;
+      SetWeights(next);
+      Solve(limits_);
+    }
+  }
+
+  void Solve(const SolveLimits& limits) {
+    last_ = problem_.Solve(limits);
+    iterations_ += last_.iterations;
+  }
+
+  void SetWeights(const std::vector<double>& weights) {
+    for (size_t k = 0; k < closures_.size(); ++k) problem_.SetWeight(closures_[k], weights[k]);
+    weights_ = weights;
+  }
+
+  // 1 within the limit, 0 beyond.
+  std::vector<double> ThresholdWeights() const {
+    std::vector<double> weights(closures_.size());
+    for (size_t k = 0; k < closures_.size(); ++k) {
+      weights[k] = problem_.ChiSquare(closures_[k]) <= options_.squared_limit ? 1 : 0;
+    }
+    return weights;
+  }
+
+  std::vector<double> SurrogateWeights(double mu) const {
+    std::vector<double> weights(closures_.size());
+    for (size_t k = 0; k < closures_.size(); ++k) {
+      weights[k] = SurrogateWeight(options_.loss, problem_.ChiSquare(closures_[k]),
+                                   options_.squared_limit, mu);
+    }
+    return weights;
+  }
+
+  double LargestChiSquare() const {
+    double largest = 0;
+    for (const int edge : closures_) largest = std::max(largest, problem_.ChiSquare(edge));
+    return largest;
+  }
+
+  bool WeightsAreBinary() const {
+    return std::all_of(weights_.begin(), weights_.end(), [](double w) { return w == 0 || w == 1; });
+  }
+
+  const std::vector<int>& closures_;
+  const GncOptions& options_;
+  const SolveLimits& limits_;
+  PoseGraphProblem& problem_;
+  std::vector<double> weights_;
+  SolveSummary last_;
+  int iterations_ = 0;
+};
+
+}  // namespace
+
+SolveSummary SolveGraduated(const std::vector<int>& closures,
+                            const std::vector<double>& initial_weights, const GncOptions& options,
+                            const SolveLimits& limits, PoseGraphProblem& problem) {
+  return GncRun(closures, options, limits, problem).Run(initial_weights);
+}
+
+}  // namespace overtone

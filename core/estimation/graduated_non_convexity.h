@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Least squares in spite of wrong loop closures: graduated non-convexity (GNC). Yang, Antonante,
+// Tzoumas & Carlone, RA-L 5(2), 2020: solve with weights, set each closure's weight from its
+// residual, make the surrogate less convex, repeat. Odometry is trusted and keeps weight 1.
+#ifndef OVERTONE_CORE_ESTIMATION_GRADUATED_NON_CONVEXITY_H_
+#define OVERTONE_CORE_ESTIMATION_GRADUATED_NON_CONVEXITY_H_
+
+#include <vector>
+
+#include "overtone/core/estimation/pose_graph_problem.h"
+
+namespace overtone {
+
+struct GncOptions {
+  RobustLoss loss = RobustLoss::kTruncatedLeastSquares;  // or kGemanMcClure
+  double squared_limit = 22.46;                          // c^2
+  double factor = 1.4;                                   // of mu from step to step, as in the paper
+  int max_steps = 100;
+};
+
+// Minimises over poses and weights. `closures` are the edges that may be wrong, `initial_weights`
+// (one for each, 0 or 1) what an earlier run found. The schedule runs only when needed: if after a
+// plain solve with the initial weights every closure in use fits and every closure left out does
+// not, that is already a stationary point of the truncated cost, and it is kept. The initial cost
+// is that of the initial weights, the final cost that of the final ones.
+SolveSummary SolveGraduated(const std::vector<int>& closures,
+                            const std::vector<double>& initial_weights, const GncOptions& options,
+                            const SolveLimits& limits, PoseGraphProblem& problem);
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CORE_ESTIMATION_GRADUATED_NON_CONVEXITY_H_
