@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// The only place where absl and gRPC codes meet; they are the same numbers.
+#ifndef OVERTONE_PROTO_CONVERSION_STATUS_CONVERSION_H_
+#define OVERTONE_PROTO_CONVERSION_STATUS_CONVERSION_H_
+
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+#include "grpcpp/support/status.h"
+
+namespace overtone {
+
+// Besides code and message, the details carry a google.rpc.Status with
+//   ErrorInfo     domain "overtone", reason: the code's name, e.g. "INVALID_ARGUMENT"
+//   BadRequest    INVALID_ARGUMENT and OUT_OF_RANGE whose message begins with a field's path and a
+//   colon QuotaFailure  RESOURCE_EXHAUSTED: the subject is what comes before the message's colon
+//   RetryInfo     UNAVAILABLE, RESOURCE_EXHAUSTED, ABORTED: one second
+grpc::Status ToGrpcStatus(const absl::Status& status);
+
+// A code that is none of the 17 becomes UNKNOWN.
+absl::Status FromGrpcStatus(const grpc::Status& status);
+
+// At most 1 kB of printable ASCII, fit for a header; other bytes are written \xNN.
+std::string HeaderSafe(absl::string_view message);
+
+}  // namespace overtone
+
+#endif  // OVERTONE_PROTO_CONVERSION_STATUS_CONVERSION_H_
