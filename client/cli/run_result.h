@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything a replay leaves behind, as plain data: the files, the table and the report are views of this.
+// Everything a replay leaves behind, as plain data: the files, the table and the report are views
+// of this.
 #ifndef OVERTONE_CLIENT_CLI_RUN_RESULT_H_
 #define OVERTONE_CLIENT_CLI_RUN_RESULT_H_
 
@@ -21,15 +22,16 @@ namespace overtone {
 
 enum class ConstraintAction { kAdd, kUpdate, kRetract };
 
-// One change of one constraint on its way to the robot's estimator. For kRetract only the id, the kind and the
-// nodes say anything.
+// One change of one constraint on its way to the robot's estimator. For kRetract only the id, the
+// kind and the nodes say anything.
 struct ConstraintRecord {
   ConstraintAction action = ConstraintAction::kAdd;
   Constraint constraint;
   double time_s = 0;  // data time of the comparison, since the robot's first keyframe
 };
 
-// One comparison of the server's estimate with the onboard one, and the state of the robot right after it.
+// One comparison of the server's estimate with the onboard one, and the state of the robot right
+// after it.
 struct ComparisonRecord {
   double time_s = 0;  // data time since the robot's first keyframe
   uint64_t revision = 0;
@@ -38,7 +40,8 @@ struct ComparisonRecord {
   int updated = 0;
   int retracted = 0;
   std::vector<int64_t> keyframe_index;  // the nodes compared, increasing
-  Eigen::MatrixXd discrepancy;  // one row each; columns: large, mid, small (Band), before correcting
+  Eigen::MatrixXd
+      discrepancy;  // one row each; columns: large, mid, small (Band), before correcting
   // Of the keyframes so far against the ground truth, aligned; absent without ground truth. Metres.
   std::optional<double> onboard_rmse_m;
   std::optional<double> corrected_rmse_m;
@@ -57,14 +60,14 @@ struct RobotResult {
   double duration_s = 0;  // data time
   int graph_nodes = 0;    // of this robot in the last graph the server sent
 
-  // ATE over the keyframes that have ground truth, per_pose_m in their order; absent without ground truth.
-  // reference_from_estimate takes the estimate's frame to the ground truth's.
+  // ATE over the keyframes that have ground truth, per_pose_m in their order; absent without ground
+  // truth. reference_from_estimate takes the estimate's frame to the ground truth's.
   std::optional<TrajectoryError> onboard_error;
   std::optional<TrajectoryError> server_error;
   std::optional<TrajectoryError> corrected_error;
 
-  std::vector<ComparisonRecord> comparisons;  // in time order
-  std::vector<ConstraintRecord> constraints;  // every change, in time order
+  std::vector<ComparisonRecord> comparisons;   // in time order
+  std::vector<ConstraintRecord> constraints;   // every change, in time order
   std::vector<Constraint> active_constraints;  // in force at the end
 
   int64_t bytes_up = 0;  // messages, without HTTP/2 framing
@@ -72,12 +75,12 @@ struct RobotResult {
 };
 
 struct ClosureResult {
-  LoopClosure closure;        // MissionId::robot is the robot's name
-  std::string verdict;        // "accepted", "demoted_by_optimiser", "pending"
-  double weight = 0;          // [0, 1]
+  LoopClosure closure;  // MissionId::robot is the robot's name
+  std::string verdict;  // "accepted", "demoted_by_optimiser", "pending"
+  double weight = 0;    // [0, 1]
   double chi_square = 0;
-  bool simulated = false;     // made from ground truth
-  bool outlier = false;       // made wrong on purpose
+  bool simulated = false;  // made from ground truth
+  bool outlier = false;    // made wrong on purpose
 };
 
 struct RunResult {
@@ -88,7 +91,7 @@ struct RunResult {
   bool closures_simulated = false;
   // Name and value of what steered the run (strategy, n, metric, ...), for people.
   std::vector<std::pair<std::string, std::string>> settings;
-  uint64_t revision = 0;     // of the server's final map
+  uint64_t revision = 0;  // of the server's final map
   double wall_time_s = 0;
   std::vector<RobotResult> robots;
   std::vector<ClosureResult> closures;
