@@ -2,10 +2,11 @@
 // Pose graphs in g2o's text format, planar (VERTEX_SE2, EDGE_SE2) and spatial (VERTEX_SE3:QUAT,
 // EDGE_SE3:QUAT).
 //
-// Information matrices are taken as written, for the tangent [rho; phi] of se3.h: the format has
-// translation first, too. The public benchmarks were generated for a rotation vector, and GTSAM and
-// Ceres' example read them so. g2o itself weighs the quaternion's vector part, phi / 2 to first
-// order: there the rotation block counts a quarter.
+// Information matrices are taken as written, for the tangent [rho; phi] of se3.h; the format, too,
+// has translation first. GTSAM and Ceres' pose_graph_3d read them so, and the optima known of the
+// public benchmarks are for this. g2o itself weighs the quaternion's vector part, phi / 2 to first
+// order: there the same rotation block counts a quarter, and the block between rotation and
+// translation a half.
 #ifndef OVERTONE_CORE_GRAPH_G2O_IO_H_
 #define OVERTONE_CORE_GRAPH_G2O_IO_H_
 

@@ -4,6 +4,7 @@
 // part of it.
 #include <cmath>
 #include <filesystem>
+#include <ostream>
 #include <string>
 
 #include "gtest/gtest.h"
@@ -24,6 +25,8 @@ struct Case {
   std::string ate_m;   // as printed with the data
   double path_m = -1;  // of the ground truth, where printed
 };
+
+void PrintTo(const Case& param, std::ostream* out) { *out << param.name; }
 
 class PublicData : public testing::TestWithParam<Case> {};
 
