@@ -7,18 +7,12 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "overtone/core/common/timestamp.h"
-#include "overtone/core/geometry/se3.h"
 #include "overtone/core/synchronization/constraint.h"
+#include "overtone/core/synchronization/node_association.h"
 
 namespace overtone {
 
-// One keyframe as the onboard estimator sees it now.
-struct OnboardPose {
-  int64_t index = 0;  // the index it was uploaded under
-  Timestamp stamp;
-  Rigid3d estimate_from_body;  // any fixed frame of the host's; only relative poses are compared
-};
+using OnboardPose = NodePose;  // one keyframe as the onboard estimator sees it now
 
 enum class LinkState {
   kConnecting,  // no server yet, or reconnecting
@@ -26,22 +20,31 @@ enum class LinkState {
   kStale,       // nothing heard for MappingClientOptions::stale_after
 };
 
-// All calls come from one thread of the client's (the synchronisation thread), never two at once, and never from
-// inside a call into MappingClient. An exception that leaves one of them is caught and logged, and the batch counts as refused.
+// All calls come from one thread of the client's (the synchronisation thread), never two at once,
+// and never from inside a call into MappingClient. An exception that leaves one of them is caught
+// and logged, and the batch counts as refused.
 class HostEstimator {
  public:
   virtual ~HostEstimator() = default;
 
-  // The current estimate of every keyframe of this mission that the host still holds, index increasing.
+  // The current estimate of every keyframe of this mission that the host still holds, index
+  // increasing.
   virtual std::vector<OnboardPose> Trajectory() = 0;
 
-  // Applies a batch at once. Not ok: the host could not; the client will offer it anew after the next comparison.
+  // Applies a batch at once. Not ok: the host could not; the client will offer it anew after the
+  // next comparison.
   virtual absl::Status ApplyConstraints(const ConstraintBatch& batch) = 0;
 
   virtual void OnLinkState(LinkState /*state*/) {}
 
-  // The server refused a submap for good (InvalidArgument, AlreadyExists, ...): the reason, once for each.
+  // The server refused a submap for good (InvalidArgument, AlreadyExists, ...): the reason, once
+  // for each. A submap that follows a refused one cannot be stored without it and is refused too;
+  // AddSubmap then expects the first of them anew. (After AlreadyExists the mission goes on: the
+  // server holds that sequence, with other content.)
   virtual void OnSubmapRejected(int64_t /*sequence*/, const absl::Status& /*reason*/) {}
+
+  // The server refused a batch of AddLoopClosures for good; none of it is kept.
+  virtual void OnLoopClosuresRejected(const absl::Status& /*reason*/) {}
 };
 
 }  // namespace overtone

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// The robot's end of Overtone: submaps go up, constraints come back. No call blocks on the network, none throws, and a lost server only
-// means that no new batches come.
+// The robot's end of Overtone: submaps go up, constraints come back. No call blocks on the network,
+// none throws, and a lost server only means that no new batches come.
 #ifndef OVERTONE_CLIENT_MAPPING_CLIENT_H_
 #define OVERTONE_CLIENT_MAPPING_CLIENT_H_
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -23,10 +24,10 @@ struct MappingClientStats {
   int64_t submaps_acknowledged = 0;
   int64_t submaps_waiting = 0;
   int64_t bytes_waiting = 0;
-  int64_t bytes_sent = 0;      // serialised messages, without HTTP/2 framing
+  int64_t bytes_sent = 0;  // serialised messages, without HTTP/2 framing
   int64_t bytes_received = 0;
   int64_t reconnects = 0;
-  uint64_t revision = 0;       // of the newest graph
+  uint64_t revision = 0;  // of the newest graph
   int64_t comparisons = 0;
 };
 
@@ -38,32 +39,41 @@ struct SynchronizationReport {
   double compare_ms = 0;            // graph, filter, selection; without the host's own work
 };
 
-// Thread-safe. Owns its threads; the destructor stops them within a second and keeps nothing waiting.
+// Thread-safe. Owns four threads (submaps up, loop closures up, graphs down, and the one that calls
+// the host) beside gRPC's own. The destructor stops them within a second, or when the host returns
+// from the call it is in, and keeps nothing waiting.
 class MappingClient {
  public:
-  // `host` must outlive the client. InvalidArgument naming the option. Does not wait for the server.
-  static absl::StatusOr<std::unique_ptr<MappingClient>> Create(MappingClientOptions options, HostEstimator* host);
+  // `host` must outlive the client. InvalidArgument naming the option. Does not wait for the
+  // server.
+  static absl::StatusOr<std::unique_ptr<MappingClient>> Create(MappingClientOptions options,
+                                                               HostEstimator* host);
   virtual ~MappingClient() = default;
 
-  // Hands over the next submap: sequence and first_index follow the previous one's. Returns at once.
-  // InvalidArgument naming the field; OutOfRange: not the next one; ResourceExhausted: outbox full, try again.
+  // Hands over the next submap: sequence and first_index follow the previous one's. Returns at
+  // once. InvalidArgument naming the field; OutOfRange: not the next one; ResourceExhausted: outbox
+  // full, try again.
   virtual absl::Status AddSubmap(const Submap& submap) = 0;
 
   // Closures found between submaps, or between this robot and another. Same rules.
   virtual absl::Status AddLoopClosures(const std::vector<LoopClosure>& closures) = 0;
 
-  // Waits until everything handed over is acknowledged. DeadlineExceeded otherwise.
+  // Waits until everything handed over is acknowledged. DeadlineExceeded otherwise; the reason if
+  // the server refused something for good since the last call (HostEstimator::OnSubmapRejected
+  // tells what).
   virtual absl::Status WaitUntilAcknowledged(absl::Duration timeout) = 0;
 
-  // Waits for a graph that holds keyframe `index` of this mission (a server that has mapped it) and whose revision
-  // is at least `min_revision`. DeadlineExceeded otherwise.
-  virtual absl::Status WaitForKeyframe(int64_t index, uint64_t min_revision, absl::Duration timeout) = 0;
+  // Waits for a graph that holds keyframe `index` of this mission (a server that has mapped it) and
+  // whose revision is at least `min_revision`. DeadlineExceeded otherwise.
+  virtual absl::Status WaitForKeyframe(int64_t index, uint64_t min_revision,
+                                       absl::Duration timeout) = 0;
 
   // The newest graph; null before the first.
   virtual std::shared_ptr<const MapGraph> Graph() const = 0;
 
-  // Compares the newest graph with the host's trajectory now, on the client's thread, and waits for the result.
-  // FailedPrecondition: no graph yet, or fewer than three nodes in common.
+  // Compares the newest graph with the host's trajectory now, on the client's thread, and waits for
+  // the result. FailedPrecondition: no graph yet, fewer than three nodes in common, or called from
+  // inside one of the host's callbacks. NotFound: the server has not mapped this mission yet.
   virtual absl::StatusOr<SynchronizationReport> Synchronize() = 0;
 
   virtual MappingClientStats Stats() const = 0;

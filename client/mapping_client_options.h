@@ -19,9 +19,10 @@ enum class LogLevel { kInfo, kWarning, kError };
 struct MappingClientOptions {
   std::string server = "localhost:7077";  // host:port
   std::string map = "default";            // id rule of core/common/ids.h
-  MissionId mission;                      // robot and mission; a new mission for every run of the robot
+  MissionId mission;  // robot and mission; a new mission for every run of the robot
 
-  // Submaps waiting for the server's acknowledgement. When full, AddSubmap answers ResourceExhausted.
+  // Submaps waiting for the server's acknowledgement. When full, AddSubmap answers
+  // ResourceExhausted.
   int64_t outbox_capacity_bytes = 256 << 20;
 
   // Nodes the server may send, 0: the server's own limit. The server Kron-reduces above it.
@@ -31,12 +32,13 @@ struct MappingClientOptions {
   // Ask for the graph of every mission, not only of our own.
   bool whole_map = false;
 
-  // Compare and correct whenever a new revision arrives, but not more often than this. Infinite: only when the
-  // host calls Synchronize().
+  // Compare and correct whenever a new revision arrives, but not more often than this. Infinite:
+  // only when the host calls Synchronize().
   absl::Duration min_time_between_comparisons = absl::Seconds(1);
 
   absl::Duration initial_backoff = absl::Milliseconds(100);
-  absl::Duration max_backoff = absl::Seconds(10);
+  // Short enough for the first byte to go out within 5 s after the link has healed.
+  absl::Duration max_backoff = absl::Seconds(4);
   // Nothing heard for so long: LinkState::kStale.
   absl::Duration stale_after = absl::Seconds(15);
 

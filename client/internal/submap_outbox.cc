@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/internal/submap_outbox.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+
+namespace overtone {
+namespace {
+
+int64_t Size(const SharedBytes& bytes) { return static_cast<int64_t>(bytes->size()); }
+
+}  // namespace
+
+absl::Status InMemoryOutbox::Reserve(int64_t bytes) {
+  if (bytes_ + bytes > capacity_bytes_) {
+    return absl::ResourceExhaustedError(absl::StrCat(
+        "outbox full: ", bytes_, " of ", capacity_bytes_, " bytes wait for the server"));
+  }
+  bytes_ += bytes;
+  return absl::OkStatus();
+}
+
+absl::Status InMemoryOutbox::PushSubmap(WaitingSubmap submap) {
+  absl::MutexLock lock(&mutex_);
+  RETURN_IF_ERROR(Reserve(Size(submap.bytes)));
+  submaps_.push_back(std::move(submap));
+  return absl::OkStatus();
+}
+
+std::optional<WaitingSubmap> InMemoryOutbox::FirstSubmapFrom(int64_t sequence) const {
+  absl::MutexLock lock(&mutex_);
+  if (submaps_.empty() || submaps_.back().sequence < sequence) return std::nullopt;
+  return submaps_[std::max<int64_t>(0, sequence - submaps_.front().sequence)];
+}
+
+int64_t InMemoryOutbox::RemoveSubmapsThrough(int64_t sequence) {
+  absl::MutexLock lock(&mutex_);
+  int64_t removed = 0;
+  for (; !submaps_.empty() && submaps_.front().sequence <= sequence; ++removed) {
+    bytes_ -= Size(submaps_.front().bytes);
+    submaps_.pop_front();
+  }
+  return removed;
+}
+
+std::vector<WaitingSubmap> InMemoryOutbox::RemoveSubmapsFrom(int64_t sequence) {
+  absl::MutexLock lock(&mutex_);
+  std::vector<WaitingSubmap> removed;
+  for (; !submaps_.empty() && submaps_.back().sequence >= sequence; submaps_.pop_back()) {
+    bytes_ -= Size(submaps_.back().bytes);
+    removed.push_back(std::move(submaps_.back()));
+  }
+  std::reverse(removed.begin(), removed.end());
+  return removed;
+}
+
+absl::Status InMemoryOutbox::PushLoopClosures(SharedBytes batch) {
+  absl::MutexLock lock(&mutex_);
+  RETURN_IF_ERROR(Reserve(Size(batch)));
+  loop_closures_.push_back(std::move(batch));
+  return absl::OkStatus();
+}
+
+SharedBytes InMemoryOutbox::FrontLoopClosures() const {
+  absl::MutexLock lock(&mutex_);
+  return loop_closures_.empty() ? nullptr : loop_closures_.front();
+}
+
+void InMemoryOutbox::PopLoopClosures() {
+  absl::MutexLock lock(&mutex_);
+  if (loop_closures_.empty()) return;
+  bytes_ -= Size(loop_closures_.front());
+  loop_closures_.pop_front();
+}
+
+OutboxLevel InMemoryOutbox::Level() const {
+  absl::MutexLock lock(&mutex_);
+  return {static_cast<int64_t>(submaps_.size()), static_cast<int64_t>(loop_closures_.size()),
+          bytes_};
+}
+
+bool InMemoryOutbox::AwaitEmpty(absl::Duration timeout) const {
+  absl::MutexLock lock(&mutex_);
+  return mutex_.AwaitWithTimeout(absl::Condition(this, &InMemoryOutbox::Empty), timeout);
+}
+
+}  // namespace overtone

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the host has handed over and the server has not yet acknowledged.
+#ifndef OVERTONE_CLIENT_INTERNAL_SUBMAP_OUTBOX_H_
+#define OVERTONE_CLIENT_INTERNAL_SUBMAP_OUTBOX_H_
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+
+namespace overtone {
+
+using SharedBytes = std::shared_ptr<const std::string>;
+
+// A submap as it goes over the wire.
+struct WaitingSubmap {
+  int64_t sequence = 0;
+  int64_t first_index = 0;
+  SharedBytes bytes;  // serialised overtone.v1.Submap
+};
+
+struct OutboxLevel {
+  int64_t submaps = 0;
+  int64_t loop_closure_batches = 0;
+  int64_t bytes = 0;  // of both, serialised
+};
+
+// Two queues, submaps by sequence and batches of loop closures by order of arrival, that share one
+// bound in bytes. Implementations are thread-safe and never make the caller wait for disk or
+// network.
+class SubmapOutbox {
+ public:
+  virtual ~SubmapOutbox() = default;
+
+  // `submap.sequence` follows the last one pushed. ResourceExhausted: full, nothing is kept.
+  virtual absl::Status PushSubmap(WaitingSubmap submap) = 0;
+
+  // The first waiting submap with at least this sequence.
+  virtual std::optional<WaitingSubmap> FirstSubmapFrom(int64_t sequence) const = 0;
+
+  // Forgets acknowledged submaps: all up to and including `sequence`. Returns how many there were.
+  virtual int64_t RemoveSubmapsThrough(int64_t sequence) = 0;
+
+  // Forgets submaps that cannot be sent any more: `sequence` and all that follow it. Returns them
+  // in order.
+  virtual std::vector<WaitingSubmap> RemoveSubmapsFrom(int64_t sequence) = 0;
+
+  // `batch` is a serialised overtone.v1.AddLoopClosuresRequest. ResourceExhausted: full, nothing is
+  // kept.
+  virtual absl::Status PushLoopClosures(SharedBytes batch) = 0;
+  virtual SharedBytes FrontLoopClosures() const = 0;  // null: none
+  virtual void PopLoopClosures() = 0;
+
+  virtual OutboxLevel Level() const = 0;
+
+  // False: something still waits after `timeout`.
+  virtual bool AwaitEmpty(absl::Duration timeout) const = 0;
+};
+
+// Loses what waits when the process ends.
+class InMemoryOutbox final : public SubmapOutbox {
+ public:
+  explicit InMemoryOutbox(int64_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
+
+  absl::Status PushSubmap(WaitingSubmap submap) override;
+  std::optional<WaitingSubmap> FirstSubmapFrom(int64_t sequence) const override;
+  int64_t RemoveSubmapsThrough(int64_t sequence) override;
+  std::vector<WaitingSubmap> RemoveSubmapsFrom(int64_t sequence) override;
+  absl::Status PushLoopClosures(SharedBytes batch) override;
+  SharedBytes FrontLoopClosures() const override;
+  void PopLoopClosures() override;
+  OutboxLevel Level() const override;
+  bool AwaitEmpty(absl::Duration timeout) const override;
+
+ private:
+  absl::Status Reserve(int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool Empty() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return submaps_.empty() && loop_closures_.empty();
+  }
+
+  const int64_t capacity_bytes_;
+  mutable absl::Mutex mutex_;
+  std::deque<WaitingSubmap> submaps_ ABSL_GUARDED_BY(mutex_);  // consecutive sequences
+  std::deque<SharedBytes> loop_closures_ ABSL_GUARDED_BY(mutex_);
+  int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_INTERNAL_SUBMAP_OUTBOX_H_
