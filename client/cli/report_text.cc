@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/cli/report_text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_replace.h"
+#include "overtone/client/cli/report_page.h"
+
+namespace overtone {
+namespace {
+
+std::string Row(absl::string_view cell, const std::vector<std::string>& cells) {
+  std::string row = "<tr>";
+  for (const std::string& text : cells) {
+    absl::StrAppend(&row, "<", cell, cell == "th" ? " scope=\"col\"" : "", ">", text, "</", cell,
+                    ">");
+  }
+  return row + "</tr>\n";
+}
+
+std::string Table(absl::string_view caption, const std::vector<std::string>& head,
+                  const std::vector<std::vector<std::string>>& rows) {
+  std::string table = absl::StrCat("<div class=\"scroll\"><table><caption>", caption,
+                                   "</caption><thead>", Row("th", head), "</thead><tbody>\n");
+  for (const auto& row : rows) absl::StrAppend(&table, Row("td", row));
+  return table + "</tbody></table></div>\n";
+}
+
+std::string Metres(const std::optional<TrajectoryError>& error) {
+  return error ? absl::StrFormat("%.3f", error->rmse_m) : "–";
+}
+
+// Nearest rank; an en dash without any comparison.
+std::string CompareMs(const RobotResult& robot, double quantile) {
+  std::vector<double> values;
+  for (const ComparisonRecord& record : robot.comparisons) values.push_back(record.compare_ms);
+  if (values.empty()) return "–";
+  std::sort(values.begin(), values.end());
+  const double rank = std::ceil(quantile * static_cast<double>(values.size()));
+  return absl::StrFormat("%.1f", values[static_cast<size_t>(std::max(1.0, rank)) - 1]);
+}
+
+std::string KilobytesPerSecond(int64_t bytes, double duration_s) {
+  return duration_s > 0 ? absl::StrFormat("%.2f", 1e-3 * static_cast<double>(bytes) / duration_s)
+                        : "–";
+}
+
+// "12 / 3 / 4": small, mid, large in force at the end; other kinds by name behind.
+std::string ConstraintCounts(const RobotResult& robot) {
+  std::map<ConstraintKind, int> count;
+  for (const Constraint& constraint : robot.active_constraints) ++count[constraint.kind];
+  std::string text = absl::StrCat(count[ConstraintKind::kSmall], " / ", count[ConstraintKind::kMid],
+                                  " / ", count[ConstraintKind::kLarge]);
+  for (ConstraintKind kind : {ConstraintKind::kDegenerate, ConstraintKind::kChord}) {
+    if (count[kind] > 0) absl::StrAppend(&text, " + ", count[kind], " ", ToString(kind));
+  }
+  return text;
+}
+
+std::string SummaryTable(const RunResult& result) {
+  std::vector<std::vector<std::string>> rows;
+  for (const RobotResult& robot : result.robots) {
+    rows.push_back({EscapeHtml(robot.name), absl::StrFormat("%.1f", robot.path_m),
+                    absl::StrCat(robot.graph_nodes), Metres(robot.onboard_error),
+                    Metres(robot.server_error), Metres(robot.corrected_error),
+                    ConstraintCounts(robot), KilobytesPerSecond(robot.bytes_up, robot.duration_s),
+                    KilobytesPerSecond(robot.bytes_down, robot.duration_s),
+                    absl::StrCat(CompareMs(robot, 0.5), " / ", CompareMs(robot, 0.99))});
+  }
+  return Table(
+      "RMSE: root mean square position error after rigid alignment (ATE). Constraints: in force at "
+      "the end, small / mid / large scale. Rates are per second of data time.",
+      {"robot", "path [m]", "nodes", "onboard RMSE [m]", "server RMSE [m]", "corrected RMSE [m]",
+       "constraints s/m/l", "up [KB/s]", "down [KB/s]", "compare p50/p99 [ms]"},
+      rows);
+}
+
+// A bar for one estimate, on a scale common to all robots.
+std::string Bar(absl::string_view estimate, const std::optional<TrajectoryError>& error,
+                double full_scale_m) {
+  if (!error) return "";
+  const double percent = full_scale_m > 0 ? 100 * error->rmse_m / full_scale_m : 0;
+  return absl::StrFormat(
+      "<div class=\"bar\"><span>%s</span><span class=\"track\"><i class=\"%s\" "
+      "style=\"width:%.1f%%\"></i></span><b>%.3f m</b></div>",
+      estimate, estimate, std::clamp(percent, 0.5, 100.0), error->rmse_m);
+}
+
+std::string Card(const RobotResult& robot, double full_scale_m) {
+  std::string card = absl::StrCat("<div class=\"card\"><h3>", EscapeHtml(robot.name), "</h3>",
+                                  Bar("onboard", robot.onboard_error, full_scale_m),
+                                  Bar("server", robot.server_error, full_scale_m),
+                                  Bar("corrected", robot.corrected_error, full_scale_m));
+  if (robot.onboard_error && robot.corrected_error && robot.onboard_error->rmse_m > 0) {
+    const double change = 1 - robot.corrected_error->rmse_m / robot.onboard_error->rmse_m;
+    absl::StrAppendFormat(&card, "<p>Position error %.0f %% %s after correction.</p>",
+                          100 * std::abs(change), change >= 0 ? "smaller" : "larger");
+  } else {
+    absl::StrAppend(&card, "<p>No ground truth to measure against.</p>");
+  }
+  return card + "</div>\n";
+}
+
+std::string Cards(const RunResult& result) {
+  double full_scale_m = 0;
+  for (const RobotResult& robot : result.robots) {
+    for (const auto* error : {&robot.onboard_error, &robot.server_error, &robot.corrected_error}) {
+      if (*error && std::isfinite((*error)->rmse_m)) {
+        full_scale_m = std::max(full_scale_m, (*error)->rmse_m);
+      }
+    }
+  }
+  std::string cards = "<div class=\"cards\">\n";
+  for (const RobotResult& robot : result.robots) {
+    absl::StrAppend(&cards, Card(robot, full_scale_m));
+  }
+  return cards + "</div>\n";
+}
+
+std::string ClosureTable(const RunResult& result) {
+  struct Count {
+    int total = 0, inter_robot = 0, outliers = 0;
+  };
+  std::map<std::string, Count> counts;
+  for (const ClosureResult& closure : result.closures) {
+    Count& count = counts[closure.verdict];
+    ++count.total;
+    count.inter_robot += closure.closure.from.mission != closure.closure.to.mission;
+    count.outliers += closure.outlier;
+  }
+  if (counts.empty()) return "<p>This run had no loop closures.</p>\n";
+  std::vector<std::vector<std::string>> rows;
+  for (const auto& [verdict, count] : counts) {
+    std::string words = EscapeHtml(verdict);
+    std::replace(words.begin(), words.end(), '_', ' ');
+    rows.push_back({words, absl::StrCat(count.total), absl::StrCat(count.total - count.inter_robot),
+                    absl::StrCat(count.inter_robot), absl::StrCat(count.outliers)});
+  }
+  return Table("The server's verdict on each measured loop closure at the end of the run.",
+               {"verdict", "closures", "within a robot", "between robots", "wrong on purpose"},
+               rows);
+}
+
+}  // namespace
+
+std::string EscapeHtml(absl::string_view text) {
+  return absl::StrReplaceAll(
+      text, {{"&", "&amp;"}, {"<", "&lt;"}, {">", "&gt;"}, {"\"", "&quot;"}, {"'", "&#39;"}});
+}
+
+std::string ReportTitle(const RunResult& result) {
+  return absl::StrCat("Overtone: ", EscapeHtml(result.dataset));
+}
+
+std::string ReportOverview(const RunResult& result) {
+  size_t keyframes = 0;
+  double path_m = 0;
+  for (const RobotResult& robot : result.robots) {
+    keyframes += robot.stamps.size();
+    path_m += robot.path_m;
+  }
+  return absl::StrCat(
+      absl::StrFormat("<p class=\"lead\">%d robot%s · %d keyframes · %.0f m driven · server "
+                      "revision %d · replayed in %.1f s</p>\n",
+                      result.robots.size(), result.robots.size() == 1 ? "" : "s", keyframes, path_m,
+                      result.revision, result.wall_time_s),
+      "<p class=\"note\"><strong>",
+      result.closures_simulated ? "Simulated loop closures." : "Loop closures.", "</strong> ",
+      EscapeHtml(result.closures_note), "</p>\n", Cards(result), SummaryTable(result));
+}
+
+std::string ReportDetails(const RunResult& result) {
+  std::string settings;
+  for (const auto& [name, value] : result.settings) {
+    absl::StrAppend(&settings, "<dt>", EscapeHtml(name), "</dt><dd>", EscapeHtml(value), "</dd>\n");
+  }
+  return absl::StrCat("<section><h2>Loop closures</h2>\n<p>", EscapeHtml(result.closures_note),
+                      "</p>\n", ClosureTable(result), "</section>\n",
+                      "<section><h2>How this run was made</h2>\n<pre>", EscapeHtml(result.command),
+                      "</pre>\n<dl>\n", settings, "<dt>Overtone version</dt><dd>", ReportVersion(),
+                      "</dd>\n</dl></section>\n");
+}
+
+}  // namespace overtone
