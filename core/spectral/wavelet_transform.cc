@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/spectral/wavelet_transform.h"
 
-#include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/core/spectral/fast_filter.h"
 #include "overtone/core/spectral/graph_fourier_transform.h"
 #include "overtone/core/spectral/meyer_wavelets.h"
 
@@ -53,7 +54,13 @@ absl::StatusOr<std::vector<Eigen::MatrixXd>> WaveletCoefficients(const SparseMat
         absl::StrCat("signals: ", signals.rows(), " rows for ", laplacian.rows(), " nodes"));
   }
   if (!signals.allFinite()) return absl::InvalidArgumentError("signals: not finite");
-  return ExactCoefficients(laplacian, signals, options.num_scales);
+  const bool exact =
+      options.method == FilterMethod::kExact ||
+      (options.method == FilterMethod::kAuto && laplacian.rows() <= options.exact_up_to_nodes);
+  if (exact) return ExactCoefficients(laplacian, signals, options.num_scales);
+  ASSIGN_OR_RETURN(FilterResult fast,
+                   FastFilter(laplacian, signals, options.num_scales, options.tolerance));
+  return std::move(fast.coefficients);
 }
 
 }  // namespace overtone

@@ -15,13 +15,13 @@ namespace overtone {
 enum class FilterMethod {
   kAuto,   // exact for small graphs, fast for large ones
   kExact,  // full eigendecomposition, O(n^3)
-  kFast,   // polynomial or Krylov filter, O(edges); error bounded by `tolerance`
+  kFast,   // Krylov or polynomial filter, O(edges); estimated error within `tolerance`
 };
 
 struct WaveletOptions {
   int num_scales = 6;  // 3..9; index 0 = lowest graph frequency = widest neighbourhood
   FilterMethod method = FilterMethod::kAuto;
-  int exact_up_to_nodes = 300;  // kAuto
+  int exact_up_to_nodes = 200;  // kAuto
   double tolerance = 1e-4;      // kFast: largest error over the largest coefficient
 
   absl::Status Validate() const;
@@ -31,6 +31,8 @@ struct WaveletOptions {
 // to 0) and the signals f_c, the columns of `signals` (n x c). Since server and robot share psi,
 // the difference of their coefficients is the transform of the difference of their signals: pass
 // that.
+// InvalidArgument: options invalid, sizes differ, a signal not finite, not a Laplacian.
+// ResourceExhausted: kFast did not reach the tolerance.
 absl::StatusOr<std::vector<Eigen::MatrixXd>> WaveletCoefficients(const SparseMatrix& laplacian,
                                                                  const Eigen::MatrixXd& signals,
                                                                  const WaveletOptions& options);
