@@ -5,14 +5,14 @@
 const SVG = 'http://www.w3.org/2000/svg';
 const data = JSON.parse(document.getElementById('data').textContent);
 
-const ROBOT_COLOURS = ['#e69f00', '#56b4e9', '#009e73', '#cc79a7', '#0072b2', '#d55e00'];
+const ROBOT_COLOURS = ['#e69f00', '#0f8fd6', '#cc79a7', '#009e73', '#56b4e9', '#d55e00'];
 const TRUTH = {key: 'truth', label: 'ground truth', colour: 'var(--truth)', style: 'truth'};
 const ONBOARD = {key: 'onboard', label: 'onboard (odometry)', colour: 'var(--onboard)', style: 'dashed'};
 const SERVER = {key: 'server', label: 'server', colour: 'var(--server)', style: ''};
 const CORRECTED = {key: 'corrected', label: 'corrected', colour: 'var(--corrected)', style: ''};
 const KINDS = {
-  small: 'direct neighbours (small)', mid: 'a few hops (mid)', large: 'across submaps (large)',
-  degenerate: 'across degenerate stretches', chord: 'chords between knots',
+  small: 'small (neighbours)', mid: 'mid (hops)', large: 'large (submaps)',
+  degenerate: 'degenerate', chord: 'chord (knots)',
 };
 const BANDS = ['large scale', 'mid scale', 'small scale'];
 const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -87,12 +87,12 @@ class Chart {
 
   drawAxes(xLabel, yLabel, width, height, yTicks) {
     const {left, top, right, bottom} = this.box;
-    const xTicks = ticks(...this.x, (right - left) / 90);
+    const xTicks = ticks(...this.x, (right - left) / 70);
     for (const value of xTicks.list) {
       add(this.svg, 'line', {class: 'grid', x1: this.sx(value), x2: this.sx(value), y1: top, y2: bottom});
       add(this.svg, 'text', {x: this.sx(value), y: bottom + 17, 'text-anchor': 'middle'}, xTicks.text(value));
     }
-    const rows = yTicks || ticks(...this.y, (bottom - top) / 50);
+    const rows = yTicks || ticks(...this.y, (bottom - top) / 36);
     for (const value of rows.list) {
       if (!yTicks) add(this.svg, 'line', {class: 'grid', x1: left, x2: right, y1: this.sy(value), y2: this.sy(value)});
       add(this.svg, 'text', {x: left - 7, y: this.sy(value) + 4, 'text-anchor': 'end'}, rows.text(value));
