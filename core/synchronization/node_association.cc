@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <map>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
@@ -37,10 +41,23 @@ std::vector<NodeMatch> AssociateByStamp(const std::vector<MapNode>& nodes,
   std::vector<Timestamp> server_stamps, onboard_stamps;
   for (const MapNode& node : nodes) server_stamps.push_back(node.stamp);
   for (const NodePose& node : onboard) onboard_stamps.push_back(node.stamp);
-  std::vector<NodeMatch> matches;
-  for (const auto& [server, own] : AssociateByTime(server_stamps, onboard_stamps, tolerance_s)) {
-    if (matches.empty() || matches.back().onboard < own) matches.push_back({server, own});
+  std::vector<std::pair<int, int>> pairs =
+      AssociateByTime(server_stamps, onboard_stamps, tolerance_s);
+  const auto distance_ns = [&](const std::pair<int, int>& pair) {
+    return std::abs(server_stamps[pair.first].ns - onboard_stamps[pair.second].ns);
+  };
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [&](const auto& a, const auto& b) { return distance_ns(a) < distance_ns(b); });
+  // Server position -> onboard position, both increasing.
+  std::map<int, int> kept;
+  for (const auto& [server, own] : pairs) {
+    const auto after = kept.lower_bound(server);
+    const bool early_enough = after == kept.end() || own < after->second;
+    const bool late_enough = after == kept.begin() || own > std::prev(after)->second;
+    if (early_enough && late_enough) kept.emplace(server, own);
   }
+  std::vector<NodeMatch> matches;
+  for (const auto& [server, own] : kept) matches.push_back({server, own});
   return matches;
 }
 
