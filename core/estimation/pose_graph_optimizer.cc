@@ -18,6 +18,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kUnitLengthTolerance = 1e-6;
+// Far beyond any real graph, yet their squares and products stay finite.
+constexpr double kLargestTranslationM = 1e15;
+constexpr double kLargestInformation = 1e30;
 
 double SecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
@@ -29,6 +32,9 @@ absl::Status CheckPose(const Rigid3d& pose) {
   }
   if (std::abs(pose.rotation.norm() - 1) > kUnitLengthTolerance) {
     return absl::InvalidArgumentError("quaternion is not of unit length");
+  }
+  if (pose.translation.cwiseAbs().maxCoeff() > kLargestTranslationM) {
+    return absl::InvalidArgumentError("translation exceeds 1e15 m");
   }
   return absl::OkStatus();
 }
@@ -46,6 +52,9 @@ absl::Status CheckEdge(const PoseGraphEdge& edge, int num_poses) {
     return absl::InvalidArgumentError(absl::StrCat("to = ", edge.to, " is out of range"));
   }
   if (edge.from == edge.to) return absl::InvalidArgumentError("both ends are the same pose");
+  if (edge.information.cwiseAbs().maxCoeff() > kLargestInformation) {
+    return absl::InvalidArgumentError("information exceeds 1e30");
+  }
   return Prefix(CheckPose(edge.from_tform_to), "from_tform_to");
 }
 

@@ -31,7 +31,7 @@ struct PoseGraphOptimizerOptions {
   // Of one solve; graduated losses make several.
   int max_iterations = 100;
   // Stops when an iteration lowers the cost by less than this share of it.
-  double function_tolerance = 1e-12;
+  double function_tolerance = 1e-10;
   int num_threads = 1;
 
   absl::Status Validate() const;

@@ -8,6 +8,9 @@
 
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/graph/node_selection.h"
+#include "overtone/core/spectral/graph_laplacian.h"
+#include "overtone/core/spectral/kron_reduction.h"
+#include "overtone/core/spectral/reduction_node_selection.h"
 
 namespace overtone {
 namespace {
@@ -91,17 +94,58 @@ absl::StatusOr<SparseMatrix> Adjacency(const MapGraph& graph, const RadiusGraphO
   return adjacency;
 }
 
-// The lower triangle by columns: first increasing, then second.
-std::vector<MapEdge> EdgesOf(const SparseMatrix& adjacency) {
+// Off its diagonal a Laplacian holds the negative weights. The lower triangle by columns: first
+// increasing, then second.
+std::vector<MapEdge> EdgesOf(const SparseMatrix& laplacian) {
   std::vector<MapEdge> edges;
-  for (int column = 0; column < adjacency.outerSize(); ++column) {
-    for (SparseMatrix::InnerIterator entry(adjacency, column); entry; ++entry) {
-      if (entry.row() > column && entry.value() > 0) {
-        edges.push_back({column, static_cast<int>(entry.row()), entry.value()});
+  for (int column = 0; column < laplacian.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator entry(laplacian, column); entry; ++entry) {
+      if (entry.row() > column && entry.value() < 0) {
+        edges.push_back({column, static_cast<int>(entry.row()), -entry.value()});
       }
     }
   }
   return edges;
+}
+
+// Positions, in the concatenation of all missions' nodes, of each mission's first and last.
+std::vector<int> EndsOfMissions(const KeptKeyframes& kept) {
+  std::vector<int> ends;
+  int begin = 0;
+  for (const std::vector<int>& mission : kept) {
+    const int end = begin + static_cast<int>(mission.size());
+    if (end == begin) continue;
+    ends.push_back(begin);
+    if (end - 1 > begin) ends.push_back(end - 1);
+    begin = end;
+  }
+  return ends;
+}
+
+KeptKeyframes Select(const KeptKeyframes& kept, const std::vector<int>& positions) {
+  KeptKeyframes selected(kept.size());
+  auto position = positions.begin();
+  int begin = 0;
+  for (size_t m = 0; m < kept.size(); ++m) {
+    const int end = begin + static_cast<int>(kept[m].size());
+    for (; position != positions.end() && *position < end; ++position) {
+      selected[m].push_back(kept[m][*position - begin]);
+    }
+    begin = end;
+  }
+  return selected;
+}
+
+absl::StatusOr<MapGraph> Reduce(const MapSnapshot& snapshot, const KeptKeyframes& kept,
+                                const SparseMatrix& laplacian, const GraphMonitorOptions& options) {
+  ASSIGN_OR_RETURN(const std::vector<int> positions,
+                   SelectNodes(laplacian, options.max_nodes, EndsOfMissions(kept), {}));
+  MapGraph graph = MakeGraph(snapshot, Select(kept, positions));
+  if (!options.include_edges) return graph;
+  ASSIGN_OR_RETURN(const KronReductionResult reduced,
+                   SparsifiedKronReduction(laplacian, positions, options.reduction_tolerance));
+  graph.edges = EdgesOf(reduced.laplacian);
+  return graph;
 }
 
 }  // namespace
@@ -118,10 +162,14 @@ absl::Status GraphMonitorOptions::Validate() const {
 absl::StatusOr<MapGraph> BuildMapGraph(const MapSnapshot& snapshot,
                                        const GraphMonitorOptions& options) {
   RETURN_IF_ERROR(options.Validate());
-  MapGraph graph = MakeGraph(snapshot, ThinOut(snapshot, options));
-  if (!options.include_edges) return graph;
+  const KeptKeyframes kept = ThinOut(snapshot, options);
+  MapGraph graph = MakeGraph(snapshot, kept);
+  const bool reduce = graph.NumNodes() > options.max_nodes;
+  if (!reduce && !options.include_edges) return graph;
   ASSIGN_OR_RETURN(const SparseMatrix adjacency, Adjacency(graph, options.radius_graph));
-  graph.edges = EdgesOf(adjacency);
+  const SparseMatrix laplacian = GraphLaplacian(adjacency);
+  if (reduce) return Reduce(snapshot, kept, laplacian, options);
+  graph.edges = EdgesOf(laplacian);
   return graph;
 }
 

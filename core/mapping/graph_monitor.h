@@ -17,10 +17,11 @@ struct GraphMonitorOptions {
   // much. 0: every one does.
   double min_distance_m = 0.4;
   double min_rotation_rad = 0.3;
-  // Above it nodes are eliminated, never the first and last of a mission: with more than half as
-  // many missions as nodes allowed, the limit gives way.
+  // Above it nodes are eliminated, but never the first and last of a mission nor the only one of a
+  // connected part of the radius graph: for these the limit gives way.
   int max_nodes = 2000;
-  // Reduced edges lighter than this share of the mean edge are dropped on the way.
+  // Sparsified Kron reduction: a new edge lighter than this share of the smaller of its ends'
+  // degrees is not made.
   double reduction_tolerance = 1e-3;
   // The graph that is reduced, and whose edges are sent.
   RadiusGraphOptions radius_graph;
