@@ -97,7 +97,7 @@ class GrpcMappingClient final : public MappingClient {
     const std::shared_ptr<const MapGraph> graph = host_.Graph();
     MappingClientStats stats;
     stats.link_state = host_.link_state();
-    stats.submaps_acknowledged = counters_.submaps_acknowledged;
+    stats.submaps_acknowledged = level.submaps_acknowledged;
     stats.submaps_waiting = level.submaps;
     stats.bytes_waiting = level.bytes;
     stats.bytes_sent = counters_.bytes_sent;

@@ -141,7 +141,7 @@ bool GraphSubscriber::Await(const absl::Condition& condition, Clock::time_point 
       absl::MutexLock lock(&mutex_);
       if (mutex_.AwaitWithTimeout(condition, absl::FromChrono(wake - now))) return true;
     }
-    if (Clock::now() >= deadline) return false;
+    if (now >= deadline) return false;
   }
 }
 

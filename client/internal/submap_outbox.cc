@@ -36,14 +36,12 @@ std::optional<WaitingSubmap> InMemoryOutbox::FirstSubmapFrom(int64_t sequence) c
   return submaps_[std::max<int64_t>(0, sequence - submaps_.front().sequence)];
 }
 
-int64_t InMemoryOutbox::RemoveSubmapsThrough(int64_t sequence) {
+void InMemoryOutbox::RemoveSubmapsThrough(int64_t sequence) {
   absl::MutexLock lock(&mutex_);
-  int64_t removed = 0;
-  for (; !submaps_.empty() && submaps_.front().sequence <= sequence; ++removed) {
+  for (; !submaps_.empty() && submaps_.front().sequence <= sequence; submaps_.pop_front()) {
     bytes_ -= Size(submaps_.front().bytes);
-    submaps_.pop_front();
+    ++submaps_acknowledged_;
   }
-  return removed;
 }
 
 std::vector<WaitingSubmap> InMemoryOutbox::RemoveSubmapsFrom(int64_t sequence) {
@@ -79,7 +77,7 @@ void InMemoryOutbox::PopLoopClosures() {
 OutboxLevel InMemoryOutbox::Level() const {
   absl::MutexLock lock(&mutex_);
   return {static_cast<int64_t>(submaps_.size()), static_cast<int64_t>(loop_closures_.size()),
-          bytes_};
+          bytes_, submaps_acknowledged_};
 }
 
 bool InMemoryOutbox::AwaitEmpty(absl::Duration timeout) const {

@@ -29,7 +29,8 @@ struct WaitingSubmap {
 struct OutboxLevel {
   int64_t submaps = 0;
   int64_t loop_closure_batches = 0;
-  int64_t bytes = 0;  // of both, serialised
+  int64_t bytes = 0;                 // of both, serialised
+  int64_t submaps_acknowledged = 0;  // removed as such since the beginning
 };
 
 // Two queues, submaps by sequence and batches of loop closures by order of arrival, that share one
@@ -45,8 +46,8 @@ class SubmapOutbox {
   // The first waiting submap with at least this sequence.
   virtual std::optional<WaitingSubmap> FirstSubmapFrom(int64_t sequence) const = 0;
 
-  // Forgets acknowledged submaps: all up to and including `sequence`. Returns how many there were.
-  virtual int64_t RemoveSubmapsThrough(int64_t sequence) = 0;
+  // Forgets acknowledged submaps: all up to and including `sequence`.
+  virtual void RemoveSubmapsThrough(int64_t sequence) = 0;
 
   // Forgets submaps that cannot be sent any more: `sequence` and all that follow it. Returns them
   // in order.
@@ -71,7 +72,7 @@ class InMemoryOutbox final : public SubmapOutbox {
 
   absl::Status PushSubmap(WaitingSubmap submap) override;
   std::optional<WaitingSubmap> FirstSubmapFrom(int64_t sequence) const override;
-  int64_t RemoveSubmapsThrough(int64_t sequence) override;
+  void RemoveSubmapsThrough(int64_t sequence) override;
   std::vector<WaitingSubmap> RemoveSubmapsFrom(int64_t sequence) override;
   absl::Status PushLoopClosures(SharedBytes batch) override;
   SharedBytes FrontLoopClosures() const override;
@@ -90,6 +91,7 @@ class InMemoryOutbox final : public SubmapOutbox {
   std::deque<WaitingSubmap> submaps_ ABSL_GUARDED_BY(mutex_);  // consecutive sequences
   std::deque<SharedBytes> loop_closures_ ABSL_GUARDED_BY(mutex_);
   int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  int64_t submaps_acknowledged_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace overtone

@@ -118,7 +118,7 @@ absl::Status SubmapUploader::HandleReady(const v1::UploadReady& ready, Progress&
   progress.ready = true;
   progress.next = ready.next_sequence();
   progress.window_bytes = ready.window_bytes();
-  counters_->submaps_acknowledged += outbox_->RemoveSubmapsThrough(progress.next - 1);
+  outbox_->RemoveSubmapsThrough(progress.next - 1);
   logger_.Info("upload ready, the server expects submap ", progress.next);
   Notify();
   return absl::OkStatus();
@@ -130,7 +130,7 @@ absl::Status SubmapUploader::HandleAck(const v1::UploadAck& ack, Progress& progr
     return absl::InternalError(
         absl::StrCat("the server acknowledged submap ", sequence, ", which it was not sent"));
   }
-  counters_->submaps_acknowledged += outbox_->RemoveSubmapsThrough(sequence);
+  outbox_->RemoveSubmapsThrough(sequence);
   while (!progress.in_flight.empty() && progress.in_flight.front().first <= sequence) {
     progress.in_flight_bytes -= progress.in_flight.front().second;
     progress.in_flight.pop_front();
@@ -164,8 +164,8 @@ absl::Status SubmapUploader::SendNext(UploadStream& stream, Progress& progress) 
   }
   if (!progress.ready) return absl::OkStatus();
   // A host that started over with the same mission hands over again what the server already holds.
-  counters_->submaps_acknowledged += outbox_->RemoveSubmapsThrough(
-      progress.in_flight.empty() ? progress.next - 1 : progress.in_flight.front().first - 1);
+  outbox_->RemoveSubmapsThrough(progress.in_flight.empty() ? progress.next - 1
+                                                           : progress.in_flight.front().first - 1);
   const std::optional<WaitingSubmap> submap = outbox_->FirstSubmapFrom(progress.next);
   if (!submap) return absl::OkStatus();
   if (submap->sequence != progress.next) {

@@ -12,7 +12,6 @@ namespace overtone {
 struct TrafficCounters {
   std::atomic<int64_t> bytes_sent{0};  // serialised messages, without HTTP/2 framing
   std::atomic<int64_t> bytes_received{0};
-  std::atomic<int64_t> submaps_acknowledged{0};
   std::atomic<int64_t> reconnects{0};
 };
 

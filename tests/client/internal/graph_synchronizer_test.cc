@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/internal/graph_synchronizer.h"
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "overtone/tests/support/fake_host.h"
+#include "overtone/tests/support/straight_mission.h"
+
+namespace overtone {
+namespace {
+
+constexpr int kNumNodes = 60;
+
+class GraphSynchronizerTest : public testing::Test {
+ protected:
+  void SetTrajectory(double bend_m) {
+    absl::MutexLock lock(&host_.mutex);
+    host_.trajectory = BentTrajectory(kNumNodes, bend_m);
+  }
+  void SetAnswer(const absl::Status& answer) {
+    absl::MutexLock lock(&host_.mutex);
+    host_.answer = answer;
+  }
+  void SetThrows(bool throws) {
+    absl::MutexLock lock(&host_.mutex);
+    host_.throws = throws;
+  }
+  int NumBatches() {
+    absl::MutexLock lock(&host_.mutex);
+    return static_cast<int>(host_.batches.size());
+  }
+
+  FakeHost host_;
+  GraphSynchronizer synchronizer_{TestMission(), SynchronizationOptions(), &host_};
+};
+
+TEST_F(GraphSynchronizerTest, AgreementCallsForNothing) {
+  SetTrajectory(/*bend_m=*/0);
+  const auto report = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_EQ(report->comparison.keyframe_index.size(), kNumNodes);
+  EXPECT_TRUE(report->batch.empty());
+  EXPECT_EQ(NumBatches(), 0);
+}
+
+TEST_F(GraphSynchronizerTest, DriftGivesOneBatchOfTheServersRelativePoses) {
+  SetTrajectory(/*bend_m=*/20);
+  const auto report = synchronizer_.Synchronize(StraightGraph(kNumNodes, /*revision=*/7));
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_FALSE(report->batch.add.empty());
+  EXPECT_EQ(NumBatches(), 1);
+  EXPECT_EQ(report->batch.revision, 7);
+  EXPECT_TRUE(report->host_status.ok());
+  EXPECT_GT(report->compare_ms, 0);
+  for (const Constraint& constraint : report->batch.add) {
+    const double along = static_cast<double>(constraint.to - constraint.from);
+    EXPECT_NEAR((constraint.from_tform_to.translation - Eigen::Vector3d(along, 0, 0)).norm(), 0,
+                1e-9);
+  }
+}
+
+TEST_F(GraphSynchronizerTest, WhatTheHostAppliedIsNotOfferedAgain) {
+  SetTrajectory(20);
+  ASSERT_TRUE(synchronizer_.Synchronize(StraightGraph(kNumNodes, 1)).ok());
+  const auto report = synchronizer_.Synchronize(StraightGraph(kNumNodes, 2));
+  ASSERT_TRUE(report.ok());
+  EXPECT_TRUE(report->batch.empty());
+  EXPECT_EQ(NumBatches(), 1);
+}
+
+TEST_F(GraphSynchronizerTest, WhatTheHostRefusedIsOfferedAnew) {
+  SetTrajectory(20);
+  SetAnswer(absl::UnavailableError("busy"));
+  const auto refused = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(refused.ok());
+  EXPECT_EQ(refused->host_status.code(), absl::StatusCode::kUnavailable);
+
+  SetAnswer(absl::OkStatus());
+  const auto applied = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(applied.ok());
+  ASSERT_FALSE(refused->batch.add.empty());
+  ASSERT_EQ(applied->batch.add.size(), refused->batch.add.size());
+  for (int i = 0; i < applied->batch.add.size(); ++i) {
+    EXPECT_EQ(applied->batch.add[i].id, refused->batch.add[i].id);
+  }
+}
+
+TEST_F(GraphSynchronizerTest, AThrowingHostIsAHostThatRefuses) {
+  SetThrows(true);
+  const auto status = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1)).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInternal);
+  EXPECT_THAT(std::string(status.message()),
+              testing::HasSubstr("HostEstimator::Trajectory threw: the host is out"));
+}
+
+TEST_F(GraphSynchronizerTest, AnExceptionFromApplyConstraintsCountsAsRefusal) {
+  class ThrowingHost : public HostEstimator {
+   public:
+    std::vector<OnboardPose> Trajectory() override { return BentTrajectory(kNumNodes, 20); }
+    absl::Status ApplyConstraints(const ConstraintBatch& /*batch*/) override {
+      if (calls_++ == 0) throw 42;  // NOLINT: hosts do such things
+      return absl::OkStatus();
+    }
+
+   private:
+    int calls_ = 0;
+  } host;
+  GraphSynchronizer synchronizer(TestMission(), SynchronizationOptions(), &host);
+  const auto refused = synchronizer.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(refused.ok());
+  EXPECT_EQ(refused->host_status.code(), absl::StatusCode::kInternal);
+  const auto applied = synchronizer.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(applied.ok());
+  EXPECT_TRUE(applied->host_status.ok());
+  EXPECT_EQ(applied->batch.add.size(), refused->batch.add.size());
+}
+
+TEST_F(GraphSynchronizerTest, AMissionTheServerDoesNotKnowOrTooFewCommonNodesAreErrors) {
+  SetTrajectory(20);
+  MapGraph graph = StraightGraph(kNumNodes, 1);
+  graph.missions[0].id.mission = "another_run";
+  EXPECT_EQ(synchronizer_.Synchronize(graph).status().code(), absl::StatusCode::kNotFound);
+  EXPECT_EQ(synchronizer_.Synchronize(StraightGraph(2, 1)).status().code(),
+            absl::StatusCode::kFailedPrecondition);
+  EXPECT_EQ(NumBatches(), 0);
+}
+
+}  // namespace
+}  // namespace overtone

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/internal/submap_uploader.h"
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "overtone/client/internal/channel.h"
+#include "overtone/tests/support/scripted_mapping_server.h"
+#include "overtone/tests/support/straight_mission.h"
+
+namespace overtone {
+namespace {
+
+using testing::ElementsAre;
+using Upload = ScriptedMappingServer::Upload;
+using Script = ScriptedMappingServer::Script;
+
+constexpr absl::Duration kPatience = absl::Seconds(20);
+
+// An uploader with its outbox, and what it reports.
+class Robot {
+ public:
+  Robot(const std::string& address, int num_submaps) : outbox_(1 << 20) {
+    for (int64_t i = 0; i < num_submaps; ++i) Push(i);
+    MappingClientOptions options;
+    options.server = address;
+    options.initial_backoff = absl::Milliseconds(2);
+    options.max_backoff = absl::Milliseconds(20);
+    stub_ = v1::MappingService::NewStub(CreateChannel(options));
+    uploader_ = std::make_unique<SubmapUploader>(
+        stub_.get(), "town", TestMission(),
+        Backoff(options.initial_backoff, options.max_backoff, /*seed=*/1), &outbox_, &counters_,
+        Logger(), [this](int64_t sequence, const absl::Status& reason) {
+          absl::MutexLock lock(&mutex_);
+          refused_.emplace_back(sequence, reason.code());
+          outbox_.RemoveSubmapsFrom(sequence);
+        });
+  }
+
+  void Push(int64_t sequence) {
+    v1::Submap submap;
+    submap.set_sequence(sequence);
+    submap.set_first_index(200);
+    const auto bytes = std::make_shared<const std::string>(submap.SerializeAsString());
+    ASSERT_TRUE(outbox_.PushSubmap({sequence, 10 * sequence, bytes}).ok());
+    if (uploader_ != nullptr) uploader_->Notify();
+  }
+
+  InMemoryOutbox& outbox() { return outbox_; }
+  std::vector<std::pair<int64_t, absl::StatusCode>> refused() {
+    absl::MutexLock lock(&mutex_);
+    return refused_;
+  }
+  void Stop() { uploader_.reset(); }
+
+ private:
+  InMemoryOutbox outbox_;
+  TrafficCounters counters_;
+  absl::Mutex mutex_;
+  std::vector<std::pair<int64_t, absl::StatusCode>> refused_ ABSL_GUARDED_BY(mutex_);
+  std::unique_ptr<v1::MappingService::Stub> stub_;
+  std::unique_ptr<SubmapUploader> uploader_;
+};
+
+TEST(SubmapUploader, SendsTheHeaderAndThenFromWhereReadySays) {
+  ScriptedMappingServer server({[](int, Upload& upload) {
+    upload.Ready(2);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/5);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(server.Received(), ElementsAre(2, 3, 4));
+  EXPECT_EQ(server.Headers()[0].map(), "town");
+  EXPECT_EQ(server.Headers()[0].mission().robot(), TestMission().robot);
+  EXPECT_EQ(server.Headers()[0].mission().mission(), TestMission().mission);
+  EXPECT_EQ(robot.outbox().Level().submaps_acknowledged, 5);
+}
+
+TEST(SubmapUploader, SendsWhatComesLater) {
+  ScriptedMappingServer server({[](int, Upload& upload) {
+    upload.Ready(0);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/0);
+  for (int64_t i = 0; i < 20; ++i) {
+    robot.Push(i);
+    ASSERT_TRUE(server.AwaitReceived(i + 1));
+  }
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+}
+
+// Room for two: the third must not leave before the first is acknowledged.
+TEST(SubmapUploader, NeverHasMoreUnderwayThanTheWindowHolds) {
+  ScriptedMappingServer* server_pointer = nullptr;
+  bool third_came_early = true;
+  ScriptedMappingServer server({[&](int, Upload& upload) {
+    upload.Ready(0, /*window_bytes=*/12);  // submap 0 takes 3 bytes, each other one 5
+    upload.Read();
+    upload.Read();
+    std::thread third([&] { upload.Read(); });
+    third_came_early = server_pointer->AwaitReceived(3, absl::Milliseconds(100));
+    upload.Ack(0);
+    third.join();
+    upload.Ack(2);
+    return upload.AcknowledgeEverything();
+  }});
+  server_pointer = &server;
+  Robot robot(server.address(), /*num_submaps=*/6);
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_FALSE(third_came_early);
+  EXPECT_THAT(server.Received(), ElementsAre(0, 1, 2, 3, 4, 5));
+}
+
+TEST(SubmapUploader, ASubmapLargerThanTheWindowStillGoesOutAlone) {
+  ScriptedMappingServer server({[](int, Upload& upload) {
+    upload.Ready(0, /*window_bytes=*/1);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/5);
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(server.Received(), ElementsAre(0, 1, 2, 3, 4));
+}
+
+// The stream breaks with three submaps under way, one of which was stored without its
+// acknowledgement getting through.
+TEST(SubmapUploader, NothingIsLostAndNothingStoredIsSentAgainWhenTheStreamBreaksMidway) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    if (call == 0) {
+      upload.Ready(0);
+      upload.Read();
+      upload.Ack(0);
+      upload.Read();
+      upload.Read();
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "cable cut");
+    }
+    upload.Ready(2);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/5);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(server.Received(), ElementsAre(0, 1, 2, 2, 3, 4));
+  EXPECT_EQ(server.Headers().size(), 2);
+  EXPECT_TRUE(robot.refused().empty());
+}
+
+TEST(SubmapUploader, ComesBackAfterEveryKindOfEnd) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    if (call < 16) return grpc::Status(static_cast<grpc::StatusCode>(call), "call ended");
+    upload.Ready(0);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/1);
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+}
+
+TEST(SubmapUploader, ARetryableRejectIsSentAgainAndNotReported) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    upload.Ready(0);
+    if (call == 0) {
+      upload.Reject(upload.Read(), grpc::StatusCode::RESOURCE_EXHAUSTED, "store: full");
+      while (upload.Read() >= 0) {
+      }
+      return grpc::Status::OK;
+    }
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/1);
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_TRUE(robot.refused().empty());
+  EXPECT_GE(server.Headers().size(), 2);
+}
+
+TEST(SubmapUploader, AGapIsResolvedByTheNextReady) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    if (call == 0) {
+      upload.Ready(2);
+      upload.Read();
+      upload.Reject(2, grpc::StatusCode::OUT_OF_RANGE, "sequence: expected 3", 3);
+      while (upload.Read() >= 0) {
+      }
+      return grpc::Status::OK;
+    }
+    upload.Ready(3);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/5);
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_TRUE(robot.refused().empty());
+}
+
+TEST(SubmapUploader, AFinalRejectIsReportedOnce) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    if (call == 0) {
+      upload.Ready(0);
+      upload.Read();
+      upload.Ack(0);
+      upload.Reject(upload.Read(), grpc::StatusCode::INVALID_ARGUMENT,
+                    "keyframes[0].stamp_ns: goes back");
+      while (upload.Read() >= 0) {
+      }
+      return grpc::Status::OK;
+    }
+    upload.Ready(1);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/3);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  robot.Push(1);  // a better one
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(robot.refused(),
+              ElementsAre(std::pair(int64_t{1}, absl::StatusCode::kInvalidArgument)));
+  EXPECT_EQ(robot.outbox().Level().submaps_acknowledged, 2);
+}
+
+// A broken server must not make the robot throw its data away.
+TEST(SubmapUploader, DoesNotBelieveAnAcknowledgementOfWhatItHasNotSent) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    if (call == 0) {
+      upload.Ack(1'000'000);
+      upload.Ready(0);
+      upload.Ack(1'000'000);
+      while (upload.Read() >= 0) {
+      }
+      return grpc::Status::OK;
+    }
+    upload.Ready(0);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/3);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  const std::vector<int64_t> received = server.Received();
+  EXPECT_THAT(std::vector<int64_t>(received.end() - 3, received.end()), ElementsAre(0, 1, 2));
+}
+
+// A server that lost what it had acknowledged: submaps are kept, and nothing goes out with a gap
+// before it.
+TEST(SubmapUploader, KeepsWhatWaitsWhenTheServerFellBehindWhatItAcknowledged) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    upload.Ready(call == 0 ? 3 : call < 4 ? 0 : 3);
+    if (call == 0) return grpc::Status(grpc::StatusCode::UNAVAILABLE, "crash");
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/5);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_GE(server.Headers().size(), 5);
+  for (const int64_t sequence : server.Received()) EXPECT_GE(sequence, 3);
+}
+
+TEST(SubmapUploader, StopsAtOnceWhateverTheServerDoes) {
+  SilentSocket half_open;
+  ScriptedMappingServer parked({});
+  for (const std::string& address :
+       {half_open.address(), parked.address(), std::string("127.0.0.1:1"),
+        std::string("no-such-host.invalid:7077")}) {
+    Robot robot(address, /*num_submaps=*/1);
+    const absl::Time start = absl::Now();
+    robot.Stop();
+    EXPECT_LT(absl::Now() - start, absl::Seconds(1)) << address;
+  }
+}
+
+}  // namespace
+}  // namespace overtone

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/mapping_client_options.h"
+
+#include <cmath>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace overtone {
+namespace {
+
+MappingClientOptions Named() {
+  MappingClientOptions options;
+  options.mission = {"robot_a", "run_1"};
+  return options;
+}
+
+TEST(MappingClientOptions, DefaultsAreValidOnceTheMissionHasAName) {
+  EXPECT_TRUE(Named().Validate().ok()) << Named().Validate();
+  EXPECT_FALSE(MappingClientOptions().Validate().ok());
+}
+
+TEST(MappingClientOptions, ErrorsNameTheOption) {
+  using Change = std::function<void(MappingClientOptions&)>;
+  const std::pair<std::string, Change> cases[] = {
+      {"server", [](auto& o) { o.server.clear(); }},
+      {"map", [](auto& o) { o.map = "Town"; }},
+      {"mission.robot", [](auto& o) { o.mission.robot = ""; }},
+      {"mission.mission", [](auto& o) { o.mission.mission = "../etc"; }},
+      {"outbox_capacity_bytes", [](auto& o) { o.outbox_capacity_bytes = 1000; }},
+      {"max_nodes", [](auto& o) { o.max_nodes = -1; }},
+      {"max_nodes", [](auto& o) { o.max_nodes = 1'000'001; }},
+      {"min_time_between_comparisons",
+       [](auto& o) { o.min_time_between_comparisons = -absl::Seconds(1); }},
+      {"initial_backoff", [](auto& o) { o.initial_backoff = absl::ZeroDuration(); }},
+      {"initial_backoff", [](auto& o) { o.initial_backoff = 2 * o.max_backoff; }},
+      {"max_backoff", [](auto& o) { o.max_backoff = absl::InfiniteDuration(); }},
+      {"stale_after", [](auto& o) { o.stale_after = -absl::Seconds(1); }},
+      {"synchronization.multi_robot_graph",
+       [](auto& o) { o.synchronization.multi_robot_graph = true; }},
+      {"synchronization.",
+       [](auto& o) { o.synchronization.association_tolerance_s = std::nan(""); }},
+  };
+  for (const auto& [name, change] : cases) {
+    MappingClientOptions options = Named();
+    change(options);
+    const absl::Status status = options.Validate();
+    EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << name;
+    EXPECT_THAT(std::string(status.message()), testing::StartsWith(name));
+  }
+}
+
+}  // namespace
+}  // namespace overtone
