@@ -9,6 +9,7 @@ foreach(kind html css js)
 endforeach()
 configure_file(report_page.cc.in report_page.cc @ONLY)
 overtone_library(cli_report
-  SOURCES report.cc report_data.cc report_heat_map.cc report_text.cc ${CMAKE_CURRENT_BINARY_DIR}/report_page.cc
+  SOURCES report.cc report_data.cc report_heat_map.cc report_summary.cc report_text.cc
+    ${CMAKE_CURRENT_BINARY_DIR}/report_page.cc
   DEPS overtone::core_synchronization overtone::core_geometry absl::strings absl::str_format
   PRIVATE_DEPS nlohmann_json::nlohmann_json)

@@ -111,7 +111,15 @@ class Chart {
       if (drawn) path += `${pen ? 'L' : 'M'}${this.sx(points[i]).toFixed(1)} ${this.sy(points[i + 1]).toFixed(1)}`;
       pen = drawn;
     }
-    return add(this.plot, 'path', {class: `trace ${style}`, d: path, stroke: colour, 'data-key': key});
+    add(this.plot, 'path', {class: `trace ${style}`, d: path, stroke: colour, 'data-key': key});
+  }
+
+  // A dot where the line begins.
+  mark(points, {key, colour}) {
+    const start = points.findIndex((value, i) => i % 2 === 0 && isNumber(value));
+    if (start < 0) return;
+    const dot = add(this.plot, 'circle', {cx: this.sx(points[start]), cy: this.sy(points[start + 1]), r: 4, fill: colour, 'data-key': key});
+    add(dot, 'title', {}, 'start');
   }
 
   // Where the pointer is, in the chart's own units.
@@ -197,19 +205,22 @@ function chord(group, chart, [x1, y1, x2, y2], attributes, title) {
 function drawTeam() {
   const all = data.robots.flatMap((robot) => Object.values(robot.paths));
   const colour = (i) => ROBOT_COLOURS[i % ROBOT_COLOURS.length];
+  const dash = (i) => i < ROBOT_COLOURS.length ? '' : 'dashed';
   const charts = [['team-before', 'onboard', 'Onboard estimates'], ['team-after', 'corrected', 'Corrected estimates']].map(([id, estimate, name]) => {
     const chart = topView(document.getElementById(id), all, `${name} of all robots, seen from above`);
     const lines = [];
     for (const robot of data.robots) chart.trace(robot.paths.truth, TRUTH);
     data.robots.forEach((robot, i) => {
       const key = `robot ${i}`;
-      chart.trace(robot.paths[estimate], {key, colour: colour(i), style: ''});
+      const look = {key, colour: colour(i), style: dash(i)};
+      chart.trace(robot.paths[estimate], look);
+      chart.mark(robot.paths[estimate], look);
       lines.push({key, label: estimate, robot, points: robot.paths[estimate]});
     });
     hoverKeyframes(chart, lines);
     return chart;
   });
-  const items = data.robots.map((robot, i) => ({key: `robot ${i}`, label: robot.name, colour: colour(i)}));
+  const items = data.robots.map((robot, i) => ({key: `robot ${i}`, label: robot.name, colour: colour(i), style: dash(i)}));
   if (data.robots.some((robot) => robot.paths.truth.some(isNumber))) items.push(TRUTH);
   legend(document.getElementById('team-legend'), items.concat(drawClosures(charts[1])), charts);
 }
@@ -224,7 +235,7 @@ function drawClosures(chart) {
     }
     chord(verdicts.get(verdict).group, chart, ends, {stroke: colour}, `closure ${from} → ${to}: ${verdict.replace(/_/g, ' ')}${outlier ? ' (wrong on purpose)' : ''}`);
   }
-  return Array.from(verdicts.values());
+  return Array.from(verdicts.values()).sort((a, b) => a.key < b.key ? -1 : 1);
 }
 
 // ---- one robot ----
@@ -234,6 +245,7 @@ function drawTrajectories(section, robot) {
   const chart = topView(section.querySelector('.trajectories'), Object.values(robot.paths), `Trajectories of ${robot.name}, seen from above`);
   const estimates = hasTruth ? [TRUTH, ONBOARD, SERVER, CORRECTED] : [ONBOARD, SERVER, CORRECTED];
   for (const estimate of estimates) chart.trace(robot.paths[estimate.key], estimate);
+  for (const estimate of estimates) chart.mark(robot.paths[estimate.key], estimate);
   hoverKeyframes(chart, estimates.map((e) => ({...e, robot, points: robot.paths[e.key]})));
   legend(section.querySelector('.estimates'), estimates, [chart]);
 }
@@ -333,6 +345,10 @@ function drawRobot(robot) {
   const section = document.getElementById('robot').content.firstElementChild.cloneNode(true);
   section.querySelector('h2').textContent = robot.name;
   document.getElementById('robots').appendChild(section);
+  if (robot.keyframes.length === 0) {
+    for (const figure of section.querySelectorAll('figure')) figure.remove();
+    return add(section, 'p', {}, 'No keyframes.');
+  }
   drawTrajectories(section, robot);
   drawConstraints(section, robot);
   drawOverTime(section.querySelector('.errors'), robot.errors, [ONBOARD, SERVER, CORRECTED], `Position error of ${robot.name} over time`, 'error [m]');

@@ -9,6 +9,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_replace.h"
 #include "overtone/client/cli/report_page.h"
+#include "overtone/client/cli/report_summary.h"
 
 namespace overtone {
 namespace {
@@ -30,53 +31,15 @@ std::string Table(absl::string_view caption, const std::vector<std::string>& hea
   return table + "</tbody></table></div>\n";
 }
 
-std::string Metres(const std::optional<TrajectoryError>& error) {
-  return error ? absl::StrFormat("%.3f", error->rmse_m) : "–";
-}
-
-// Nearest rank; an en dash without any comparison.
-std::string CompareMs(const RobotResult& robot, double quantile) {
-  std::vector<double> values;
-  for (const ComparisonRecord& record : robot.comparisons) values.push_back(record.compare_ms);
-  if (values.empty()) return "–";
-  std::sort(values.begin(), values.end());
-  const double rank = std::ceil(quantile * static_cast<double>(values.size()));
-  return absl::StrFormat("%.1f", values[static_cast<size_t>(std::max(1.0, rank)) - 1]);
-}
-
-std::string KilobytesPerSecond(int64_t bytes, double duration_s) {
-  return duration_s > 0 ? absl::StrFormat("%.2f", 1e-3 * static_cast<double>(bytes) / duration_s)
-                        : "–";
-}
-
-// "12 / 3 / 4": small, mid, large in force at the end; other kinds by name behind.
-std::string ConstraintCounts(const RobotResult& robot) {
-  std::map<ConstraintKind, int> count;
-  for (const Constraint& constraint : robot.active_constraints) ++count[constraint.kind];
-  std::string text = absl::StrCat(count[ConstraintKind::kSmall], " / ", count[ConstraintKind::kMid],
-                                  " / ", count[ConstraintKind::kLarge]);
-  for (ConstraintKind kind : {ConstraintKind::kDegenerate, ConstraintKind::kChord}) {
-    if (count[kind] > 0) absl::StrAppend(&text, " + ", count[kind], " ", ToString(kind));
-  }
-  return text;
-}
-
 std::string SummaryTable(const RunResult& result) {
-  std::vector<std::vector<std::string>> rows;
-  for (const RobotResult& robot : result.robots) {
-    rows.push_back({EscapeHtml(robot.name), absl::StrFormat("%.1f", robot.path_m),
-                    absl::StrCat(robot.graph_nodes), Metres(robot.onboard_error),
-                    Metres(robot.server_error), Metres(robot.corrected_error),
-                    ConstraintCounts(robot), KilobytesPerSecond(robot.bytes_up, robot.duration_s),
-                    KilobytesPerSecond(robot.bytes_down, robot.duration_s),
-                    absl::StrCat(CompareMs(robot, 0.5), " / ", CompareMs(robot, 0.99))});
+  std::vector<std::vector<std::string>> rows = SummaryRows(result);
+  for (auto& row : rows) {
+    for (std::string& cell : row) cell = EscapeHtml(cell);
   }
   return Table(
-      "RMSE: root mean square position error after rigid alignment (ATE). Constraints: in force at "
-      "the end, small / mid / large scale. Rates are per second of data time.",
-      {"robot", "path [m]", "nodes", "onboard RMSE [m]", "server RMSE [m]", "corrected RMSE [m]",
-       "constraints s/m/l", "up [KB/s]", "down [KB/s]", "compare p50/p99 [ms]"},
-      rows);
+      "RMSE: root mean square position error after rigid alignment (ATE), in metres. Constraints: "
+      "in force at the end, small/mid/large scale. Rates are per second of data time.",
+      rows.front(), {rows.begin() + 1, rows.end()});
 }
 
 // A bar for one estimate, on a scale common to all robots.
@@ -119,6 +82,13 @@ std::string Cards(const RunResult& result) {
     absl::StrAppend(&cards, Card(robot, full_scale_m));
   }
   return cards + "</div>\n";
+}
+
+std::string ClosuresNote(const RunResult& result) {
+  if (result.closures_note.empty()) return "";
+  return absl::StrCat("<p class=\"note\"><strong>",
+                      result.closures_simulated ? "Simulated loop closures." : "Loop closures.",
+                      "</strong> ", EscapeHtml(result.closures_note), "</p>\n");
 }
 
 std::string ClosureTable(const RunResult& result) {
@@ -168,9 +138,7 @@ std::string ReportOverview(const RunResult& result) {
                       "revision %d · replayed in %.1f s</p>\n",
                       result.robots.size(), result.robots.size() == 1 ? "" : "s", keyframes, path_m,
                       result.revision, result.wall_time_s),
-      "<p class=\"note\"><strong>",
-      result.closures_simulated ? "Simulated loop closures." : "Loop closures.", "</strong> ",
-      EscapeHtml(result.closures_note), "</p>\n", Cards(result), SummaryTable(result));
+      ClosuresNote(result), Cards(result), SummaryTable(result));
 }
 
 std::string ReportDetails(const RunResult& result) {
