@@ -25,13 +25,23 @@ namespace {
 using SparseMatrix = Eigen::SparseMatrix<double>;
 using Steps = std::vector<Vector6d, Eigen::aligned_allocator<Vector6d>>;
 
-// J_r(r), the inverse of InverseRightJacobian: both are [X, Y; 0, X].
+// J_r(r) = sum_k (-ad r)^k / (k + 1)! = [X, Y; 0, X], the inverse of InverseRightJacobian.
 Matrix6d RightJacobian(const Vector6d& r) {
-  const Matrix6d inverse = InverseRightJacobian(r);
-  const Eigen::Matrix3d x = inverse.topLeftCorner<3, 3>().inverse();
+  constexpr double kSmall = 0.03;  // where the fourth power, 7e-9, may be left out: nearly always
   Matrix6d jacobian = Matrix6d::Zero();
+  Eigen::Matrix3d x, y;
+  if (r.squaredNorm() < kSmall * kSmall) {
+    const Eigen::Matrix3d p = Skew(r.tail<3>()), q = Skew(r.head<3>());
+    const Eigen::Matrix3d pp = p * p, pq_qp = p * q + q * p;
+    x = Eigen::Matrix3d::Identity() - p / 2 + pp / 6 - p * pp / 24;
+    y = -q / 2 + pq_qp / 6 - (p * pq_qp + q * pp) / 24;
+  } else {
+    const Matrix6d inverse = InverseRightJacobian(r);
+    x = inverse.topLeftCorner<3, 3>().inverse();
+    y = -x * inverse.topRightCorner<3, 3>() * x;
+  }
   jacobian.topLeftCorner<3, 3>() = x;
-  jacobian.topRightCorner<3, 3>() = -x * inverse.topRightCorner<3, 3>() * x;
+  jacobian.topRightCorner<3, 3>() = y;
   jacobian.bottomRightCorner<3, 3>() = x;
   return jacobian;
 }
@@ -74,7 +84,8 @@ class ChainSmoother {
   // Per pose, at the last linearisation; unused behind the last end.
   std::vector<Rigid3d> previous_from_this_;
   Steps residual_;
-  Steps step_;  // u
+  std::vector<Matrix6d, Eigen::aligned_allocator<Matrix6d>> step_covariance_;  // Q
+  Steps step_;                                                                 // u
 };
 
 ChainSmoother::ChainSmoother(const std::vector<Rigid3d>& poses,
@@ -86,6 +97,7 @@ ChainSmoother::ChainSmoother(const std::vector<Rigid3d>& poses,
       ends_{0},
       previous_from_this_(poses.size()),
       residual_(poses.size()),
+      step_covariance_(poses.size()),
       step_(poses.size()) {
   for (const Chord& chord : chords) {
     ends_.push_back(chord.from);
@@ -123,10 +135,11 @@ double ChainSmoother::Condense(Stretch& stretch) {
     const Vector6d r = Log(odometry.previous_from_this.Inverse() * previous_from_this_[i]);
     residual_[i] = r;
     cost += 0.5 * r.dot(odometry.information * r);
+    const Matrix6d jacobian = RightJacobian(r);
+    step_covariance_[i].noalias() = jacobian * odometry.covariance * jacobian.transpose();
     const Matrix6d adjoint = Adjoint(begin_from_this);
-    const Matrix6d spread = adjoint * RightJacobian(r);
     stretch.drift -= adjoint * r;
-    covariance += spread * odometry.covariance * spread.transpose();
+    covariance.noalias() += adjoint * step_covariance_[i] * adjoint.transpose();
   }
   stretch.begin_from_end = begin_from_this;
   stretch.information = covariance.llt().solve(Matrix6d::Identity());
@@ -194,9 +207,7 @@ void ChainSmoother::Spread(const Stretch& stretch) {
   Vector6d lambda = stretch.lambda;
   for (int i = stretch.begin + 1; i <= stretch.end; ++i) {
     lambda = Adjoint(previous_from_this_[i]).transpose() * lambda;
-    const Matrix6d jacobian = RightJacobian(residual_[i]);
-    step_[i] =
-        jacobian * (odometry_[i].covariance * (jacobian.transpose() * lambda)) - residual_[i];
+    step_[i] = step_covariance_[i] * lambda - residual_[i];
   }
 }
 

@@ -42,9 +42,9 @@ struct ChainSmootherResult {
 
 struct ChainSmootherOptions {
   int max_iterations = 20;
-  // Stop when the next step promises to lower the cost by less: 1e-4 is within 0.014 standard
-  // deviations of the optimum, before that step is taken too.
-  double cost_tolerance = 1e-4;
+  // Stops with the step that promises to lower the cost by less: 1e-2 is 0.14 standard deviations
+  // from the optimum before that step, and a small share of it behind it.
+  double cost_tolerance = 1e-2;
 };
 
 // poses: start values; poses[0] stays. odometry: as many; odometry[0] is not read.
