@@ -67,7 +67,8 @@ double EdgeWeight(const Rigid3d& a, const Rigid3d& b, const RadiusGraphOptions& 
 
 // Squares of coordinates and of their differences stay finite below this.
 bool IsFinite(const Rigid3d& pose) {
-  return pose.rotation.coeffs().allFinite() && pose.translation.lpNorm<Eigen::Infinity>() < 1e150;
+  return pose.rotation.coeffs().allFinite() && pose.translation.allFinite() &&
+         pose.translation.lpNorm<Eigen::Infinity>() < 1e150;
 }
 
 // For each node its neighbours of higher index, increasing.
