@@ -9,6 +9,8 @@ namespace {
 // Solves between two weight updates need not be exact: the next ones go on from there.
 constexpr int kInnerIterations = 3;
 constexpr double kInnerFunctionTolerance = 1e-3;
+// Enough for a set of closures that fits; one that does not is left to the schedule.
+constexpr int kProbeIterations = 8;
 // Updates of the final 0/1 weights; more than a few mean that a closure sits on the limit and
 // flips.
 constexpr int kMaxSettlingSteps = 5;
@@ -22,11 +24,15 @@ class GncRun {
   SolveSummary Run(const std::vector<double>& initial_weights) {
     const std::vector<Rigid3d> initial_poses = problem_.Poses();
     SetWeights(initial_weights);
-    Solve(limits_);
+    SolveLimits probe = limits_;
+    probe.max_iterations = std::min(limits_.max_iterations, kProbeIterations);
+    Solve(probe);
     const double initial_cost = last_.initial_cost;
     if (weights_ != ThresholdWeights()) {
       problem_.SetPoses(initial_poses);
       RunSchedule();
+    } else if (!last_.converged) {
+      Settle();
     }
     last_.initial_cost = initial_cost;
     last_.iterations = iterations_;
