@@ -22,7 +22,7 @@ absl::StatusOr<FilterResult> FilterBlock(const SparseMatrix& laplacian,
   const int64_t basis_bytes = int64_t{8} * kTypicalDimension * signals.size();
   if (basis_bytes <= kMaxBasisBytes) {
     auto krylov = KrylovFilter(laplacian, signals, num_scales, tolerance, kMaxKrylovDimension);
-    if (krylov.ok() || !absl::IsResourceExhausted(krylov.status())) return krylov;
+    if (krylov.ok()) return krylov;
   }
   return ChebyshevFilter(laplacian, signals, num_scales, tolerance);
 }

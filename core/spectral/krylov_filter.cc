@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/Eigenvalues"
 #include "absl/status/status.h"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
@@ -46,16 +45,12 @@ class KrylovBases {
 // |f| g_s(T) e_1, m x num_scales.
 absl::StatusOr<Eigen::MatrixXd> ProjectedFilter(const LanczosTridiagonal& tridiagonal,
                                                 const MeyerFilterBank& bank) {
-  const int m = tridiagonal.dimension();
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(
-      Eigen::Map<const Eigen::VectorXd>(tridiagonal.diagonal.data(), m),
-      Eigen::Map<const Eigen::VectorXd>(tridiagonal.subdiagonal.data(), m - 1));
-  if (solver.info() != Eigen::Success) {
+  Eigen::VectorXd eigenvalues;
+  Eigen::MatrixXd q;
+  if (!DecomposeTridiagonal(tridiagonal, eigenvalues, &q)) {
     return absl::InternalError("Krylov filter: the tridiagonal eigensolver did not converge");
   }
-  const Eigen::MatrixXd& q = solver.eigenvectors();
-  const Eigen::MatrixXd kernels = bank.Evaluate(solver.eigenvalues().cwiseMax(0.0)).transpose();
+  const Eigen::MatrixXd kernels = bank.Evaluate(eigenvalues.cwiseMax(0.0)).transpose();
   return (tridiagonal.start_norm * q) * (q.row(0).transpose().asDiagonal() * kernels);
 }
 

@@ -101,15 +101,28 @@ Eigen::VectorXd GenericStartVector(int size) {
   return start;
 }
 
-double LargestRitzValue(const LanczosTridiagonal& tridiagonal) {
+bool DecomposeTridiagonal(const LanczosTridiagonal& tridiagonal, Eigen::VectorXd& eigenvalues,
+                          Eigen::MatrixXd* eigenvectors) {
   const int m = tridiagonal.dimension();
-  if (m == 0) return 0;
+  const Eigen::Map<const Eigen::VectorXd> diagonal(tridiagonal.diagonal.data(), m);
+  const Eigen::Map<const Eigen::VectorXd> subdiagonal(tridiagonal.subdiagonal.data(), m - 1);
+  double scale = diagonal.cwiseAbs().maxCoeff();
+  if (m > 1) scale = std::max(scale, subdiagonal.cwiseAbs().maxCoeff());
+  if (!(scale > 0)) scale = 1;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(
-      Eigen::Map<const Eigen::VectorXd>(tridiagonal.diagonal.data(), m),
-      Eigen::Map<const Eigen::VectorXd>(tridiagonal.subdiagonal.data(), m - 1),
-      Eigen::EigenvaluesOnly);
-  return std::max(0.0, solver.eigenvalues()[m - 1]);
+  solver.computeFromTridiagonal(diagonal / scale, subdiagonal / scale,
+                                eigenvectors ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
+  if (solver.info() != Eigen::Success) return false;
+  eigenvalues = scale * solver.eigenvalues();
+  if (eigenvectors) *eigenvectors = solver.eigenvectors();
+  return true;
+}
+
+double LargestRitzValue(const LanczosTridiagonal& tridiagonal) {
+  Eigen::VectorXd eigenvalues;
+  if (tridiagonal.dimension() == 0) return 0;
+  if (!DecomposeTridiagonal(tridiagonal, eigenvalues, /*eigenvectors=*/nullptr)) return 0;
+  return std::max(0.0, eigenvalues.tail<1>()[0]);
 }
 
 double LargestEigenvalue(const SparseMatrix& laplacian) {
