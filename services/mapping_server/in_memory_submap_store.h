@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_IN_MEMORY_SUBMAP_STORE_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_IN_MEMORY_SUBMAP_STORE_H_
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_set.h"
+#include "absl/synchronization/mutex.h"
+#include "overtone/services/mapping_server/server_options.h"
+#include "overtone/services/mapping_server/submap_store.h"
+
+namespace overtone {
+
+// Lasts as long as the process. Keeps digests only, 32 bytes a submap; the content lives on in the
+// map that the sink feeds. Calls `done` before Append returns.
+class InMemorySubmapStore : public SubmapStore {
+ public:
+  InMemorySubmapStore(const ServerLimits& limits, Sink sink);
+
+  void Append(SubmapRecord record, std::function<void(absl::StatusOr<AppendResult>)> done) override;
+  void AppendLoopClosures(std::vector<LoopClosureRecord> records,
+                          std::function<void(absl::StatusOr<int>)> done) override;
+  UploadState State(const MissionId& mission) const override;
+  std::map<MissionId, UploadState> Missions() const override;
+
+ private:
+  struct Mission {
+    UploadState state;
+    std::vector<std::string> digests;  // by sequence
+  };
+
+  absl::StatusOr<AppendResult> Add(const SubmapRecord& record) ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::StatusOr<int> AddLoopClosures(const std::vector<LoopClosureRecord>& records)
+      ABSL_LOCKS_EXCLUDED(mutex_);
+  absl::Status CheckLimits(const SubmapRecord& record, const UploadState& state) const
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  const ServerLimits limits_;
+  const Sink sink_;
+  mutable absl::Mutex mutex_;
+  std::map<MissionId, Mission> missions_ ABSL_GUARDED_BY(mutex_);
+  absl::flat_hash_set<std::string> closure_digests_ ABSL_GUARDED_BY(mutex_);
+  // Those of submaps and those that came alone.
+  int64_t num_closures_ ABSL_GUARDED_BY(mutex_) = 0;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_IN_MEMORY_SUBMAP_STORE_H_

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/map_admin_service.h"
+
+#include "overtone/services/mapping_server/map_file.h"
+#include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/rpc/export_map.h"
+#include "overtone/services/mapping_server/rpc/unary.h"
+
+namespace overtone {
+
+MapAdminService::MapAdminService(int64_t max_message_bytes, const MapRegistry* registry,
+                                 const UploadSessions* sessions)
+    : max_message_bytes_(max_message_bytes), registry_(registry), sessions_(sessions) {}
+
+grpc::ServerUnaryReactor* MapAdminService::ListMaps(grpc::CallbackServerContext* context,
+                                                    const v1::ListMapsRequest* request,
+                                                    v1::ListMapsResponse* response) {
+  return Answer(context, overtone::ListMaps(*registry_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::ListRobots(grpc::CallbackServerContext* context,
+                                                      const v1::ListRobotsRequest* request,
+                                                      v1::ListRobotsResponse* response) {
+  return Answer(context, overtone::ListRobots(*registry_, *sessions_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::ListMissions(grpc::CallbackServerContext* context,
+                                                        const v1::ListMissionsRequest* request,
+                                                        v1::ListMissionsResponse* response) {
+  return Answer(context, overtone::ListMissions(*registry_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::ListLoopClosures(
+    grpc::CallbackServerContext* context, const v1::ListLoopClosuresRequest* request,
+    v1::ListLoopClosuresResponse* response) {
+  return Answer(context, overtone::ListLoopClosures(*registry_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::GetTrajectory(grpc::CallbackServerContext* context,
+                                                         const v1::GetTrajectoryRequest* request,
+                                                         v1::GetTrajectoryResponse* response) {
+  return Answer(context, overtone::GetTrajectory(*registry_, *request, max_message_bytes_),
+                response);
+}
+
+grpc::ServerWriteReactor<v1::ExportMapResponse>* MapAdminService::ExportMap(
+    grpc::CallbackServerContext*, const v1::ExportMapRequest* request) {
+  return new overtone::ExportMap(MapFile(*registry_, *request));
+}
+
+}  // namespace overtone

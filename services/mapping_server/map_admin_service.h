@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_MAP_ADMIN_SERVICE_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_MAP_ADMIN_SERVICE_H_
+
+#include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/upload_sessions.h"
+#include "overtone/v1/map_admin_service.grpc.pb.h"
+
+namespace overtone {
+
+// The table of contents: what an operator calls. Registry and sessions outlive the service.
+class MapAdminService final : public v1::MapAdminService::CallbackService {
+ public:
+  MapAdminService(int64_t max_message_bytes, const MapRegistry* registry,
+                  const UploadSessions* sessions);
+
+  grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
+                                     const v1::ListMapsRequest* request,
+                                     v1::ListMapsResponse* response) override;
+  grpc::ServerUnaryReactor* ListRobots(grpc::CallbackServerContext* context,
+                                       const v1::ListRobotsRequest* request,
+                                       v1::ListRobotsResponse* response) override;
+  grpc::ServerUnaryReactor* ListMissions(grpc::CallbackServerContext* context,
+                                         const v1::ListMissionsRequest* request,
+                                         v1::ListMissionsResponse* response) override;
+  grpc::ServerUnaryReactor* ListLoopClosures(grpc::CallbackServerContext* context,
+                                             const v1::ListLoopClosuresRequest* request,
+                                             v1::ListLoopClosuresResponse* response) override;
+  grpc::ServerUnaryReactor* GetTrajectory(grpc::CallbackServerContext* context,
+                                          const v1::GetTrajectoryRequest* request,
+                                          v1::GetTrajectoryResponse* response) override;
+  grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(
+      grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
+
+ private:
+  const int64_t max_message_bytes_;
+  const MapRegistry* const registry_;
+  const UploadSessions* const sessions_;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_MAP_ADMIN_SERVICE_H_

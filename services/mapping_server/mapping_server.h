@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_SERVER_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_SERVER_H_
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/map_admin_service.h"
+#include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/mapping_service.h"
+#include "overtone/services/mapping_server/server_options.h"
+#include "overtone/services/mapping_server/upload_sessions.h"
+
+namespace overtone {
+
+// The whole server in one object; the binary and the tests both start it this way.
+class MappingServer {
+ public:
+  // Serves when this returns. InvalidArgument naming the option; Unavailable: the address cannot be
+  // listened on.
+  static absl::StatusOr<std::unique_ptr<MappingServer>> Start(const ServerOptions& options);
+  // As Shutdown with options.shutdown_s.
+  ~MappingServer();
+
+  int port() const { return port_; }
+  // host:port, with the port that was taken.
+  std::string address() const;
+
+  // Ends the streams with UNAVAILABLE, lets calls finish until `deadline` has passed, then cancels
+  // what is left. Calling it again does nothing.
+  void Shutdown(absl::Duration deadline);
+
+ private:
+  explicit MappingServer(const ServerOptions& options);
+  absl::Status Listen();
+
+  const ServerOptions options_;
+  MapRegistry registry_;
+  UploadSessions sessions_;
+  MappingService mapping_service_;
+  MapAdminService map_admin_service_;
+  int port_ = 0;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_SERVER_H_

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/options_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/string_view.h"
+#include "overtone/core/common/status_macros.h"
+#include "yaml-cpp/yaml.h"
+
+namespace overtone {
+namespace {
+
+// Puts a scalar into an option. False: not of its type.
+using Setter = std::function<bool(const YAML::Node&)>;
+
+template <typename T>
+Setter Into(T& option) {
+  return [&option](const YAML::Node& node) { return YAML::convert<T>::decode(node, option); };
+}
+
+Setter IntoRobust(MultiRobotMapOptions::Robust& option) {
+  return [&option](const YAML::Node& node) {
+    const std::map<std::string, MultiRobotMapOptions::Robust> values = {
+        {"none", MultiRobotMapOptions::Robust::kNone},
+        {"huber", MultiRobotMapOptions::Robust::kHuber},
+        {"gnc", MultiRobotMapOptions::Robust::kGnc}};
+    const auto it = values.find(node.Scalar());
+    if (it == values.end()) return false;
+    option = it->second;
+    return true;
+  };
+}
+
+// The one list of keys.
+std::map<std::string, Setter> Keys(ServerOptions& options) {
+  ServerLimits& limits = options.limits;
+  PublisherOptions& publisher = options.publisher;
+  GraphMonitorOptions& graph = options.graph;
+  MultiRobotMapOptions& map = options.map;
+  return {
+      {"listen", Into(options.listen)},
+      {"log_level", Into(options.log_level)},
+      {"reflection", Into(options.reflection)},
+      {"keepalive_s", Into(options.keepalive_s)},
+      {"shutdown_s", Into(options.shutdown_s)},
+      {"limits.max_message_bytes", Into(limits.max_message_bytes)},
+      {"limits.upload_window_bytes", Into(limits.upload_window_bytes)},
+      {"limits.max_maps", Into(limits.max_maps)},
+      {"limits.max_missions_per_map", Into(limits.max_missions_per_map)},
+      {"limits.max_keyframes_per_mission", Into(limits.max_keyframes_per_mission)},
+      {"limits.max_loop_closures_per_map", Into(limits.max_loop_closures_per_map)},
+      {"limits.max_watchers_per_map", Into(limits.max_watchers_per_map)},
+      {"limits.max_concurrent_streams", Into(limits.max_concurrent_streams)},
+      {"publisher.heartbeat_s", Into(publisher.heartbeat_s)},
+      {"publisher.history", Into(publisher.history)},
+      {"publisher.max_variants", Into(publisher.max_variants)},
+      {"publisher.position_tolerance_m", Into(publisher.tolerance.position_m)},
+      {"publisher.rotation_tolerance_rad", Into(publisher.tolerance.rotation_rad)},
+      {"publisher.position_resolution_m", Into(publisher.units.position_m)},
+      {"publisher.rotation_resolution_rad", Into(publisher.units.rotation_rad)},
+      {"publisher.stamp_resolution_ns", Into(publisher.units.stamp_ns)},
+      {"graph.min_distance_m", Into(graph.min_distance_m)},
+      {"graph.min_rotation_rad", Into(graph.min_rotation_rad)},
+      {"graph.max_nodes", Into(graph.max_nodes)},
+      {"graph.reduction_tolerance", Into(graph.reduction_tolerance)},
+      {"graph.radius_m", Into(graph.radius_graph.radius_m)},
+      {"graph.sigma", Into(graph.radius_graph.sigma)},
+      {"map.robust", IntoRobust(map.robust)},
+      {"map.closure_chi_square_limit", Into(map.closure_chi_square_limit)},
+      {"map.max_iterations", Into(map.max_iterations)},
+      {"map.num_threads", Into(map.num_threads)},
+  };
+}
+
+// Levenshtein distance.
+int EditDistance(absl::string_view a, absl::string_view b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (size_t i = 0; i < a.size(); ++i) {
+    int diagonal = row[0]++;
+    for (size_t j = 0; j < b.size(); ++j) {
+      const int replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string NearestKey(const std::map<std::string, Setter>& keys, const std::string& wanted) {
+  return std::min_element(keys.begin(), keys.end(),
+                          [&](const auto& a, const auto& b) {
+                            return EditDistance(a.first, wanted) < EditDistance(b.first, wanted);
+                          })
+      ->first;
+}
+
+class Reader {
+ public:
+  Reader(const std::string& path, std::map<std::string, Setter> keys)
+      : path_(path), keys_(std::move(keys)) {}
+
+  // Walks a mapping; `prefix` is "" or "section.".
+  absl::Status ReadMapping(const YAML::Node& mapping, const std::string& prefix) {
+    for (const auto& entry : mapping) {
+      const std::string key = prefix + entry.first.Scalar();
+      const bool section = entry.second.IsMap() && prefix.empty();
+      if (section && keys_.count(key) == 0) {
+        RETURN_IF_ERROR(ReadMapping(entry.second, key + "."));
+      } else {
+        RETURN_IF_ERROR(ReadScalar(entry.first, key, entry.second));
+      }
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  absl::Status ReadScalar(const YAML::Node& name, const std::string& key, const YAML::Node& value) {
+    const auto setter = keys_.find(key);
+    if (setter == keys_.end()) {
+      return Error(name.Mark(), absl::StrCat("unknown key '", key, "'; did you mean '",
+                                             NearestKey(keys_, key), "'?"));
+    }
+    if (!seen_.insert(key).second) return Error(name.Mark(), absl::StrCat(key, " is given twice"));
+    if (value.IsScalar() && setter->second(value)) return absl::OkStatus();
+    return Error(value.Mark(), absl::StrCat(key, " has a value of the wrong type"));
+  }
+
+  absl::Status Error(const YAML::Mark& mark, absl::string_view what) const {
+    return absl::InvalidArgumentError(absl::StrCat(path_, ":", mark.line + 1, ": ", what));
+  }
+
+  const std::string path_;
+  const std::map<std::string, Setter> keys_;
+  std::set<std::string> seen_;
+};
+
+}  // namespace
+
+absl::Status ReadOptionsFile(const std::string& path, ServerOptions& options) {
+  std::ifstream in(path);
+  if (!in) return absl::NotFoundError(absl::StrCat(path, ": cannot be read"));
+  try {
+    const YAML::Node root = YAML::Load(in);
+    if (root.IsNull()) return absl::OkStatus();
+    if (!root.IsMap()) return absl::InvalidArgumentError(absl::StrCat(path, ":1: not a mapping"));
+    return Reader(path, Keys(options)).ReadMapping(root, "");
+  } catch (const YAML::Exception& error) {
+    return absl::InvalidArgumentError(
+        absl::StrCat(path, ":", error.mark.line + 1, ": ", error.msg));
+  }
+}
+
+}  // namespace overtone

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/rpc/upload_submaps.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/field_path.h"
+#include "overtone/proto/conversion/id_conversion.h"
+#include "overtone/proto/conversion/limits.h"
+#include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/submap_digest.h"
+#include "spdlog/spdlog.h"
+
+namespace overtone {
+namespace {
+
+// Answers that the peer has not taken yet; more would only grow memory.
+constexpr size_t kMaxAnswers = 64;
+
+v1::UploadSubmapsResponse ReadyFrame(int64_t next_sequence, int64_t window_bytes) {
+  v1::UploadSubmapsResponse response;
+  response.mutable_ready()->set_next_sequence(next_sequence);
+  response.mutable_ready()->set_window_bytes(window_bytes);
+  return response;
+}
+
+v1::UploadSubmapsResponse AckFrame(int64_t durable_through_sequence) {
+  v1::UploadSubmapsResponse response;
+  response.mutable_ack()->set_durable_through_sequence(durable_through_sequence);
+  return response;
+}
+
+v1::UploadSubmapsResponse RejectFrame(int64_t sequence, const absl::Status& status,
+                                      int64_t expected_sequence) {
+  v1::UploadSubmapsResponse response;
+  v1::UploadReject& reject = *response.mutable_reject();
+  reject.set_sequence(sequence);
+  reject.set_code(static_cast<int>(status.code()));
+  reject.set_message(HeaderSafe(status.message()));
+  reject.set_expected_sequence(expected_sequence);
+  return response;
+}
+
+}  // namespace
+
+UploadReactor* UploadSubmaps::Start(MapRegistry* registry, UploadSessions* sessions,
+                                    int64_t window_bytes) {
+  auto reactor = std::make_shared<UploadSubmaps>(registry, sessions, window_bytes);
+  reactor->self_ = reactor;
+  absl::MutexLock lock(&reactor->mutex_);
+  reactor->Advance();
+  return reactor.get();
+}
+
+UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, int64_t window_bytes)
+    : registry_(registry), sessions_(sessions), window_bytes_(window_bytes) {}
+
+void UploadSubmaps::End(const absl::Status& status) {
+  absl::MutexLock lock(&mutex_);
+  if (!ending_.has_value()) ending_ = status;
+  Advance();
+}
+
+void UploadSubmaps::OnReadDone(bool ok) {
+  absl::Status status;
+  if (ok) {
+    switch (request_.frame_case()) {
+      case v1::UploadSubmapsRequest::kHeader:
+        status = OnHeader(request_.header());
+        break;
+      case v1::UploadSubmapsRequest::kSubmap:
+        if (map_id_.empty()) {
+          status = InvalidField("header", "must be the first message");
+        } else {
+          OnSubmap(request_.submap());
+        }
+        break;
+      default:
+        status = InvalidField("frame", "missing");
+    }
+  }
+  absl::MutexLock lock(&mutex_);
+  reading_ = false;
+  half_closed_ = half_closed_ || !ok;
+  if (!status.ok() && !ending_.has_value()) ending_ = status;
+  Advance();
+}
+
+absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
+  if (!map_id_.empty()) return InvalidField("header", "only the first message may be one");
+  RETURN_IF_ERROR(ValidateId(header.map(), "header.map"));
+  ASSIGN_OR_RETURN(MissionId mission, AtField("header.mission", FromProto(header.mission())));
+  map_id_ = header.map();
+  mission_ = std::move(mission);
+  const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry_->Find(map_id_);
+  if (map.ok()) map_ = *map;
+  RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
+  spdlog::info("map {}: {} uploads from submap {}", map_id_, ToString(mission_), NextSequence());
+  absl::MutexLock lock(&mutex_);
+  Answer(ReadyFrame(NextSequence(), window_bytes_));
+  return absl::OkStatus();
+}
+
+void UploadSubmaps::OnSubmap(const v1::Submap& message) {
+  const int64_t bytes = static_cast<int64_t>(message.ByteSizeLong());
+  const absl::Status status = Append(message, bytes);
+  if (!status.ok()) Reject(message.sequence(), status, NextSequence());
+}
+
+absl::StatusOr<SubmapRecord> UploadSubmaps::Check(const v1::Submap& message) const {
+  if (message.ByteSizeLong() > static_cast<size_t>(limits::kMaxSubmapBytes)) {
+    return InvalidField("submap",
+                        absl::StrCat(message.ByteSizeLong(), " bytes, at most 1 MiB are taken"));
+  }
+  ASSIGN_OR_RETURN(Submap submap, AtField("submap", FromProto(message, mission_)));
+  return SubmapRecord{mission_, std::make_shared<const Submap>(std::move(submap)), Sha256(message)};
+}
+
+absl::Status UploadSubmaps::Append(const v1::Submap& message, int64_t bytes) {
+  ASSIGN_OR_RETURN(SubmapRecord record, Check(message));
+  if (map_ == nullptr) {
+    ASSIGN_OR_RETURN(map_, registry_->Acquire(map_id_));
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    waiting_bytes_ += bytes;
+    ++waiting_submaps_;
+  }
+  map_->store().Append(std::move(record),
+                       [self = shared_from_this(), map = map_, sequence = message.sequence(),
+                        bytes](const absl::StatusOr<AppendResult>& result) {
+                         if (result.ok() && result->added) self->registry_->Keep(map);
+                         self->OnAppended(*map, sequence, bytes, result);
+                       });
+  return absl::OkStatus();
+}
+
+void UploadSubmaps::OnAppended(const HostedMap& map, int64_t sequence, int64_t bytes,
+                               const absl::StatusOr<AppendResult>& result) {
+  if (!result.ok()) {
+    Reject(sequence, AtField("submap", result.status()), map.store().State(mission_).next_sequence);
+  }
+  absl::MutexLock lock(&mutex_);
+  waiting_bytes_ -= bytes;
+  --waiting_submaps_;
+  if (result.ok()) Answer(AckFrame(result->state.next_sequence - 1));
+  Advance();
+}
+
+void UploadSubmaps::Reject(int64_t sequence, const absl::Status& status,
+                           int64_t expected_sequence) {
+  spdlog::warn("map {}: {}: submap {} rejected: {}", map_id_, ToString(mission_), sequence,
+               HeaderSafe(status.ToString()));
+  absl::MutexLock lock(&mutex_);
+  Answer(RejectFrame(sequence, status, expected_sequence));
+}
+
+int64_t UploadSubmaps::NextSequence() const {
+  return map_ == nullptr ? 0 : map_->store().State(mission_).next_sequence;
+}
+
+void UploadSubmaps::Answer(v1::UploadSubmapsResponse response) {
+  // An ack speaks for all before it: one that is not on its way yet is replaced.
+  const bool replaces =
+      response.has_ack() && answers_.size() > (writing_ ? 1 : 0) && answers_.back().has_ack();
+  if (replaces) answers_.pop_back();
+  answers_.push_back(std::move(response));
+}
+
+void UploadSubmaps::Advance() {
+  if (finished_) return;
+  if (ending_.has_value()) {
+    if (!writing_) FinishWith(*ending_);
+    return;
+  }
+  if (!writing_ && !answers_.empty()) {
+    writing_ = true;
+    StartWrite(&answers_.front());
+  }
+  const bool room = waiting_bytes_ < window_bytes_ && answers_.size() < kMaxAnswers;
+  if (!reading_ && !half_closed_ && room) {
+    reading_ = true;
+    StartRead(&request_);
+  }
+  if (half_closed_ && waiting_submaps_ == 0 && !writing_) FinishWith(absl::OkStatus());
+}
+
+void UploadSubmaps::FinishWith(const absl::Status& status) {
+  finished_ = true;
+  Finish(ToGrpcStatus(status));
+}
+
+void UploadSubmaps::OnWriteDone(bool ok) {
+  absl::MutexLock lock(&mutex_);
+  writing_ = false;
+  answers_.pop_front();
+  if (!ok && !ending_.has_value()) ending_ = absl::CancelledError("the peer is gone");
+  Advance();
+}
+
+void UploadSubmaps::OnCancel() {
+  absl::MutexLock lock(&mutex_);
+  if (!finished_) FinishWith(absl::CancelledError("the peer is gone"));
+}
+
+void UploadSubmaps::OnDone() {
+  sessions_->Close(map_id_, mission_, this);
+  map_.reset();
+  self_.reset();
+}
+
+}  // namespace overtone

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// UploadSubmaps: the submaps of one mission, in order.
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_RPC_UPLOAD_SUBMAPS_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_RPC_UPLOAD_SUBMAPS_H_
+
+#include <deque>
+#include <memory>
+#include <string>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/types/optional.h"
+#include "grpcpp/support/server_callback.h"
+#include "overtone/core/common/ids.h"
+#include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/upload_sessions.h"
+#include "overtone/v1/mapping_service.pb.h"
+
+namespace overtone {
+
+using UploadReactor = grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>;
+
+// Reads on while less than the window is waiting for the store and the peer takes its answers;
+// otherwise it stops reading, and HTTP/2's flow control stops the peer. Lives until gRPC is done
+// with it and nobody else holds it.
+class UploadSubmaps : public UploadReactor,
+                      public UploadStream,
+                      public std::enable_shared_from_this<UploadSubmaps> {
+ public:
+  // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
+  static UploadReactor* Start(MapRegistry* registry, UploadSessions* sessions,
+                              int64_t window_bytes);
+
+  UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, int64_t window_bytes);
+
+  void End(const absl::Status& status) override;
+
+  void OnReadDone(bool ok) override;
+  void OnWriteDone(bool ok) override;
+  void OnCancel() override;
+  void OnDone() override;
+
+ private:
+  absl::Status OnHeader(const v1::UploadHeader& header);
+  void OnSubmap(const v1::Submap& message);
+  // What can be refused without the store.
+  absl::StatusOr<SubmapRecord> Check(const v1::Submap& message) const;
+  absl::Status Append(const v1::Submap& message, int64_t bytes);
+  // From the store, on any thread.
+  void OnAppended(const HostedMap& map, int64_t sequence, int64_t bytes,
+                  const absl::StatusOr<AppendResult>& result);
+  void Reject(int64_t sequence, const absl::Status& status, int64_t expected_sequence);
+  int64_t NextSequence() const;
+
+  void Answer(v1::UploadSubmapsResponse response) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Whatever can go on goes on: reading, writing, the end.
+  void Advance() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+
+  MapRegistry* const registry_;
+  UploadSessions* const sessions_;
+  const int64_t window_bytes_;
+  std::shared_ptr<UploadSubmaps> self_;  // until OnDone
+
+  // Only touched by the one read at a time.
+  v1::UploadSubmapsRequest request_;
+  std::string map_id_;  // empty until the header
+  MissionId mission_;
+  std::shared_ptr<HostedMap> map_;  // null until the first good submap, or when the map is there
+
+  absl::Mutex mutex_;
+  std::deque<v1::UploadSubmapsResponse> answers_ ABSL_GUARDED_BY(mutex_);  // front: being written
+  int64_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // with the store, not answered yet
+  int waiting_submaps_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool reading_ ABSL_GUARDED_BY(mutex_) = false;
+  bool writing_ ABSL_GUARDED_BY(mutex_) = false;
+  bool half_closed_ ABSL_GUARDED_BY(mutex_) = false;  // the peer sends no more
+  bool finished_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::optional<absl::Status> ending_ ABSL_GUARDED_BY(mutex_);  // after the write under way
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_RPC_UPLOAD_SUBMAPS_H_

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/rpc/watch_graph.h"
+
+#include <utility>
+
+#include "grpcpp/impl/codegen/proto_utils.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/status_conversion.h"
+
+namespace overtone {
+namespace {
+
+absl::StatusOr<v1::WatchGraphRequest> Parse(grpc::ByteBuffer bytes) {
+  v1::WatchGraphRequest request;
+  const grpc::Status status =
+      grpc::SerializationTraits<v1::WatchGraphRequest>::Deserialize(&bytes, &request);
+  if (!status.ok()) return absl::InvalidArgumentError("request: not a WatchGraphRequest");
+  return request;
+}
+
+}  // namespace
+
+WatchReactor* WatchGraph::Start(MapRegistry* registry, int server_max_nodes,
+                                const grpc::ByteBuffer& request) {
+  auto reactor = std::make_shared<WatchGraph>();
+  reactor->self_ = reactor;
+  const absl::Status status = reactor->Subscribe(registry, server_max_nodes, request);
+  if (!status.ok()) reactor->End(status);
+  return reactor.get();
+}
+
+absl::Status WatchGraph::Subscribe(MapRegistry* registry, int server_max_nodes,
+                                   const grpc::ByteBuffer& bytes) {
+  ASSIGN_OR_RETURN(const v1::WatchGraphRequest request, Parse(bytes));
+  Subscription subscription;
+  ASSIGN_OR_RETURN(subscription.query, ReadQuery(request.options(), server_max_nodes));
+  ASSIGN_OR_RETURN(subscription.encoding,
+                   ReadEncoding(request.options(), v1::GRAPH_ENCODING_COMPACT));
+  subscription.position = {request.map_epoch(), request.after_revision()};
+  // A robot may well watch before its first submap: then the map is waited for.
+  ASSIGN_OR_RETURN(map_, registry->Acquire(request.map()));
+  map_->publisher().Subscribe(shared_from_this(), std::move(subscription));
+  return absl::OkStatus();
+}
+
+void WatchGraph::Send(const grpc::ByteBuffer& frame) {
+  absl::MutexLock lock(&mutex_);
+  if (finished_ || ending_.has_value()) return;
+  frame_ = frame;
+  writing_ = true;
+  StartWrite(&frame_);
+}
+
+void WatchGraph::End(const absl::Status& status) {
+  absl::MutexLock lock(&mutex_);
+  if (finished_) return;
+  ending_ = status;
+  if (!writing_) FinishWith(status);
+}
+
+void WatchGraph::OnWriteDone(bool ok) {
+  {
+    absl::MutexLock lock(&mutex_);
+    writing_ = false;
+    frame_.Clear();
+    if (finished_) return;
+    if (ending_.has_value()) return FinishWith(*ending_);
+    if (!ok) return FinishWith(absl::CancelledError("the peer is gone"));
+  }
+  map_->publisher().Ready(this);
+}
+
+void WatchGraph::OnCancel() {
+  absl::MutexLock lock(&mutex_);
+  if (!finished_) FinishWith(absl::CancelledError("the peer is gone"));
+}
+
+void WatchGraph::FinishWith(const absl::Status& status) {
+  finished_ = true;
+  Finish(ToGrpcStatus(status));
+}
+
+void WatchGraph::OnDone() {
+  // The map may end here with its last watcher, and must not end on the publisher's thread, which
+  // holds us.
+  const std::shared_ptr<HostedMap> map = std::move(map_);
+  if (map != nullptr) map->publisher().Unsubscribe(this);
+  self_.reset();
+}
+
+}  // namespace overtone

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that can be set about the server: default, unit and reason. configs/default.yaml lists
+// the same keys.
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_SERVER_OPTIONS_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_SERVER_OPTIONS_H_
+
+#include <cstdint>
+#include <string>
+
+#include "absl/status/status.h"
+#include "overtone/core/mapping/graph_monitor.h"
+#include "overtone/core/mapping/multi_robot_map.h"
+#include "overtone/proto/conversion/graph_columns.h"
+#include "overtone/proto/conversion/published_graph.h"
+
+namespace overtone {
+
+// What one peer or all of them may take. Beyond a limit: RESOURCE_EXHAUSTED.
+struct ServerLimits {
+  // Either direction. gRPC's own default for clients; above 1 MiB, the largest submap.
+  int64_t max_message_bytes = 4 << 20;
+  // Sent but not acknowledged, for each upload stream: a few large submaps hide the round trip.
+  int64_t upload_window_bytes = 4 << 20;
+  int max_maps = 64;
+  int max_missions_per_map = 1000;
+  int64_t max_keyframes_per_mission = 1'000'000;
+  int64_t max_loop_closures_per_map = 1'000'000;
+  int max_watchers_per_map = 1000;
+  // Streams on one connection.
+  int max_concurrent_streams = 1000;
+
+  absl::Status Validate() const;
+};
+
+struct PublisherOptions {
+  // Silence on a stream before a heartbeat; a third of the client's stale_after.
+  double heartbeat_s = 5.0;
+  // Revisions kept for deltas: a reader that falls further behind gets a snapshot.
+  int history = 8;
+  // Different node limits, robots and edges that readers ask for and the server keeps ready.
+  int max_variants = 16;
+  PublicationTolerance tolerance;
+  ColumnUnits units;
+
+  absl::Status Validate() const;
+};
+
+struct ServerOptions {
+  // host:port; port 0 takes a free one. Only this host by default: there is no authentication yet.
+  std::string listen = "localhost:7077";
+  // trace, debug, info, warning, error, critical, off. To stderr.
+  std::string log_level = "info";
+  // The schema, for grpcurl and buf curl. Off where the API should not explain itself.
+  bool reflection = true;
+  // A dead peer is noticed after this and as long again; it also keeps NATs from forgetting us.
+  double keepalive_s = 10.0;
+  // What streams and calls get to finish in on SIGTERM.
+  double shutdown_s = 3.0;
+
+  ServerLimits limits;
+  PublisherOptions publisher;
+  GraphMonitorOptions graph;
+  MultiRobotMapOptions map;
+
+  // InvalidArgument naming the option as in the configuration file.
+  absl::Status Validate() const;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_SERVER_OPTIONS_H_

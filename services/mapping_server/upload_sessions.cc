@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/upload_sessions.h"
+
+namespace overtone {
+
+absl::Status UploadSessions::Open(const std::string& map, const MissionId& mission,
+                                  const std::shared_ptr<UploadStream>& stream) {
+  std::shared_ptr<UploadStream> older = stream;
+  {
+    absl::MutexLock lock(&mutex_);
+    if (stopping_) return absl::UnavailableError("the server is shutting down");
+    std::swap(streams_[{map, mission}], older);
+  }
+  if (older != nullptr) {
+    older->End(absl::AbortedError("a newer upload stream of this mission took over"));
+  }
+  return absl::OkStatus();
+}
+
+void UploadSessions::Close(const std::string& map, const MissionId& mission,
+                           const UploadStream* stream) {
+  absl::MutexLock lock(&mutex_);
+  const auto it = streams_.find({map, mission});
+  if (it != streams_.end() && it->second.get() == stream) streams_.erase(it);
+}
+
+bool UploadSessions::IsOpen(const std::string& map, const std::string& robot) const {
+  absl::MutexLock lock(&mutex_);
+  const auto first = streams_.lower_bound({map, MissionId{robot, ""}});
+  return first != streams_.end() && first->first.first == map && first->first.second.robot == robot;
+}
+
+void UploadSessions::Stop() {
+  std::map<Key, std::shared_ptr<UploadStream>> streams;
+  {
+    absl::MutexLock lock(&mutex_);
+    stopping_ = true;
+    streams.swap(streams_);
+  }
+  for (const auto& [key, stream] : streams) {
+    stream->End(absl::UnavailableError("the server is shutting down"));
+  }
+}
+
+}  // namespace overtone
