@@ -234,6 +234,7 @@ TEST(SubmapUploader, DoesNotBelieveAnAcknowledgementOfWhatItHasNotSent) {
   Robot robot(server.address(), /*num_submaps=*/3);
   ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
   const std::vector<int64_t> received = server.Received();
+  ASSERT_GE(received.size(), 3);
   EXPECT_THAT(std::vector<int64_t>(received.end() - 3, received.end()), ElementsAre(0, 1, 2));
 }
 
