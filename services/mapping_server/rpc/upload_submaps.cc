@@ -65,7 +65,9 @@ void UploadSubmaps::End(const absl::Status& status) {
 
 void UploadSubmaps::OnReadDone(bool ok) {
   absl::Status status;
-  if (ok) {
+  if (!ok && map_id_.empty()) {
+    status = InvalidField("header", "the stream ended before it");
+  } else if (ok) {
     switch (request_.frame_case()) {
       case v1::UploadSubmapsRequest::kHeader:
         status = OnHeader(request_.header());

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: Apache-2.0
+// A server in this process on a free port, and plain gRPC stubs as its peers.
+#ifndef OVERTONE_TESTS_SERVICES_MAPPING_SERVER_SERVER_FIXTURE_H_
+#define OVERTONE_TESTS_SERVICES_MAPPING_SERVER_SERVER_FIXTURE_H_
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "grpcpp/grpcpp.h"
+#include "gtest/gtest.h"
+#include "overtone/proto/conversion/graph_conversion.h"
+#include "overtone/proto/conversion/id_conversion.h"
+#include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/mapping_server.h"
+#include "overtone/tests/proto/conversion_fixture.h"
+
+namespace overtone::testing {
+
+inline std::chrono::system_clock::time_point Deadline() {
+  return std::chrono::system_clock::now() + std::chrono::seconds(30);
+}
+
+inline ServerOptions TestOptions() {
+  ServerOptions options;
+  options.listen = "localhost:0";
+  options.publisher.heartbeat_s = 0.05;
+  // Every keyframe is a node.
+  options.graph.min_distance_m = 0;
+  options.graph.min_rotation_rad = 0;
+  options.shutdown_s = 1.0;
+  return options;
+}
+
+// An upload stream, one frame at a time.
+class Uploader {
+ public:
+  Uploader(v1::MappingService::Stub& stub, const std::string& map, const MissionId& mission) {
+    context_.set_deadline(Deadline());
+    stream_ = stub.UploadSubmaps(&context_);
+    v1::UploadSubmapsRequest request;
+    request.mutable_header()->set_map(map);
+    *request.mutable_header()->mutable_mission() = ToProto(mission);
+    stream_->Write(request);
+  }
+  // A test may end in the middle of a stream.
+  ~Uploader() { context_.TryCancel(); }
+
+  // The next frame from the server; an empty one at the end of the stream.
+  v1::UploadSubmapsResponse Read() {
+    v1::UploadSubmapsResponse response;
+    stream_->Read(&response);
+    return response;
+  }
+  v1::UploadSubmapsResponse Send(const v1::Submap& submap) {
+    v1::UploadSubmapsRequest request;
+    *request.mutable_submap() = submap;
+    stream_->Write(request);
+    return Read();
+  }
+  v1::UploadSubmapsResponse Send(const Submap& submap) { return Send(ToProto(submap)); }
+  void Write(const v1::UploadSubmapsRequest& request) { stream_->Write(request); }
+
+  grpc::Status Close() {
+    stream_->WritesDone();
+    return End();
+  }
+  // Waits for the server to end the stream.
+  grpc::Status End() {
+    v1::UploadSubmapsResponse response;
+    while (stream_->Read(&response)) {
+    }
+    return stream_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>>
+      stream_;
+};
+
+// An open WatchGraph.
+class Watcher {
+ public:
+  Watcher(v1::MappingService::Stub& stub, const v1::WatchGraphRequest& request) {
+    context_.set_deadline(Deadline());
+    stream_ = stub.WatchGraph(&context_, request);
+  }
+  ~Watcher() { context_.TryCancel(); }
+
+  // Any frame. False: the stream ended.
+  bool Read(v1::WatchGraphResponse& response) { return stream_->Read(&response); }
+  // The next frame that is no heartbeat; an empty one at the end of the stream.
+  v1::WatchGraphResponse ReadGraph() {
+    v1::WatchGraphResponse response;
+    while (stream_->Read(&response)) {
+      if (!response.has_heartbeat()) return response;
+    }
+    return v1::WatchGraphResponse();
+  }
+  grpc::Status Finish() {
+    v1::WatchGraphResponse response;
+    while (stream_->Read(&response)) {
+    }
+    return stream_->Finish();
+  }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReader<v1::WatchGraphResponse>> stream_;
+};
+
+inline v1::WatchGraphRequest WatchRequest(const std::string& map) {
+  v1::WatchGraphRequest request;
+  request.set_map(map);
+  return request;
+}
+
+class ServerTest : public ::testing::Test {
+ protected:
+  void StartServer(const ServerOptions& options = TestOptions()) {
+    auto server = MappingServer::Start(options);
+    ASSERT_TRUE(server.ok()) << server.status();
+    server_ = *std::move(server);
+    const auto channel =
+        grpc::CreateChannel(server_->address(), grpc::InsecureChannelCredentials());
+    mapping_ = v1::MappingService::NewStub(channel);
+    admin_ = v1::MapAdminService::NewStub(channel);
+  }
+  void SetUp() override { StartServer(); }
+
+  // Uploads submaps 0, 1, ... of `keyframes` keyframes each, and waits until each is acknowledged.
+  void Upload(const std::string& map, const MissionId& mission, int submaps, int keyframes) {
+    Uploader uploader(*mapping_, map, mission);
+    ASSERT_TRUE(uploader.Read().has_ready());
+    for (int i = 0; i < submaps; ++i) {
+      const auto answer = uploader.Send(MakeSubmap(i, i * keyframes, keyframes));
+      ASSERT_EQ(answer.ack().durable_through_sequence(), i) << answer.ShortDebugString();
+    }
+    EXPECT_TRUE(uploader.Close().ok());
+  }
+
+  // Waits for a revision with that many nodes.
+  MapGraph WaitForNodes(const std::string& map, int num_nodes) {
+    Watcher watcher(*mapping_, WatchRequest(map));
+    MapGraph graph;
+    while (graph.NumNodes() < num_nodes) {
+      const v1::WatchGraphResponse frame = watcher.ReadGraph();
+      const auto next =
+          frame.has_delta() ? ApplyDelta(graph, frame.delta()) : FromProto(frame.snapshot());
+      EXPECT_TRUE(next.ok()) << next.status();
+      if (!next.ok()) break;
+      graph = *next;
+    }
+    return graph;
+  }
+
+  v1::GetUploadStateResponse UploadState(const std::string& map, const MissionId& mission) {
+    v1::GetUploadStateRequest request;
+    request.set_map(map);
+    *request.mutable_mission() = ToProto(mission);
+    v1::GetUploadStateResponse response;
+    grpc::ClientContext context;
+    context.set_deadline(Deadline());
+    const grpc::Status status = mapping_->GetUploadState(&context, request, &response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return response;
+  }
+
+  std::unique_ptr<MappingServer> server_;
+  std::unique_ptr<v1::MappingService::Stub> mapping_;
+  std::unique_ptr<v1::MapAdminService::Stub> admin_;
+};
+
+}  // namespace overtone::testing
+
+#endif  // OVERTONE_TESTS_SERVICES_MAPPING_SERVER_SERVER_FIXTURE_H_
