@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -23,6 +23,7 @@ struct Partner {
   int robot;
   int keyframe;
   double distance_m;
+  int rank;  // 0: the nearest one of its mission
 };
 
 bool Comparable(const RobotPlan& a, const RobotPlan& b) {
@@ -46,32 +47,46 @@ std::vector<Eigen::Vector3d> Positions(const RobotPlan& plan) {
   return positions;
 }
 
-// The nearest keyframe of each mission up to `robot` that (robot, keyframe) may be closed with,
-// nearest mission first.
+// Keyframes of mission `other` within the radius that (robot, keyframe) may be closed with, nearest
+// first.
 std::vector<Partner> FindPartners(const std::vector<RobotPlan>& plans,
                                   const std::vector<std::vector<Eigen::Vector3d>>& positions,
-                                  int robot, int keyframe,
+                                  int robot, int keyframe, int other,
                                   const ClosureSimulationOptions& options) {
   std::vector<Partner> partners;
-  for (int other = 0; other <= robot; ++other) {
-    if (!Comparable(plans[other], plans[robot])) continue;
-    Partner nearest = {other, -1, options.radius_m};
-    for (int i = 0; i < static_cast<int>(positions[other].size()); ++i) {
-      if (other == robot &&
-          plans[robot].TimeOf(keyframe) - plans[robot].TimeOf(i) < options.min_gap_s) {
-        break;
-      }
-      const double distance = (positions[other][i] - positions[robot][keyframe]).norm();
-      if (distance <= nearest.distance_m) nearest = {other, i, distance};  // false for NaN
+  for (int i = 0; i < static_cast<int>(positions[other].size()); ++i) {
+    if (other == robot &&
+        plans[robot].TimeOf(keyframe) - plans[robot].TimeOf(i) < options.min_gap_s) {
+      break;
     }
-    if (nearest.keyframe >= 0) partners.push_back(nearest);
+    const double distance = (positions[other][i] - positions[robot][keyframe]).norm();
+    if (distance <= options.radius_m) partners.push_back({other, i, distance, 0});  // not for NaN
   }
   std::sort(partners.begin(), partners.end(),
             [](const Partner& a, const Partner& b) { return a.distance_m < b.distance_m; });
-  if (partners.size() > options.max_per_keyframe) {
-    partners.resize(static_cast<size_t>(options.max_per_keyframe));
-  }
+  for (size_t i = 0; i < partners.size(); ++i) partners[i].rank = static_cast<int>(i);
   return partners;
+}
+
+// Those that (robot, keyframe) keeps: the nearest of every mission, then the second nearest, ...
+std::vector<Partner> ChoosePartners(const std::vector<RobotPlan>& plans,
+                                    const std::vector<std::vector<Eigen::Vector3d>>& positions,
+                                    int robot, int keyframe,
+                                    const ClosureSimulationOptions& options) {
+  std::vector<Partner> chosen;
+  for (int other = 0; other <= robot; ++other) {
+    if (!Comparable(plans[other], plans[robot])) continue;
+    const std::vector<Partner> partners =
+        FindPartners(plans, positions, robot, keyframe, other, options);
+    chosen.insert(chosen.end(), partners.begin(), partners.end());
+  }
+  std::sort(chosen.begin(), chosen.end(), [](const Partner& a, const Partner& b) {
+    return std::tie(a.rank, a.distance_m) < std::tie(b.rank, b.distance_m);
+  });
+  if (chosen.size() > options.max_per_keyframe) {
+    chosen.resize(static_cast<size_t>(options.max_per_keyframe));
+  }
+  return chosen;
 }
 
 Rigid3d RandomPose(double radius_m, std::mt19937_64& random) {
@@ -133,7 +148,7 @@ std::string Describe(const ClosureSimulationOptions& options) {
   std::string text = absl::StrFormat(
       "Loop closures were SIMULATED from ground truth: keyframes within %g m of each other (%g s "
       "apart in the same "
-      "mission), the nearest of each mission, at most %g per keyframe",
+      "mission), at most %g per keyframe, the nearest of each mission first",
       options.radius_m, options.min_gap_s, std::floor(options.max_per_keyframe));
   if (options.density < 1) {
     absl::StrAppendFormat(&text, ", for %g %% of the keyframes", 100 * options.density);
@@ -159,7 +174,7 @@ std::vector<SimulatedClosure> SimulateClosures(const std::vector<RobotPlan>& pla
   for (int robot = 0; robot < static_cast<int>(plans.size()); ++robot) {
     for (int keyframe = 0; keyframe < static_cast<int>(positions[robot].size()); ++keyframe) {
       if (uniform(random) >= options.density) continue;
-      for (const Partner& partner : FindPartners(plans, positions, robot, keyframe, options)) {
+      for (const Partner& partner : ChoosePartners(plans, positions, robot, keyframe, options)) {
         Vector6d noise;
         for (int i = 0; i < 6; ++i) {
           noise[i] = (i < 3 ? options.sigma_t_m : options.sigma_r_rad) * normal(random);

@@ -21,7 +21,7 @@ struct ClosureSimulationOptions {
   double sigma_r_rad = 0.00873;
   double outliers = 0;          // share that is replaced by random wrong poses, [0, 1)
   double density = 1;           // share of the keyframes that look for closures at all, (0, 1]
-  double max_per_keyframe = 2;  // each keeps its nearest ones, one per mission
+  double max_per_keyframe = 12;  // each keeps its nearest ones, one of every mission first
   double min_gap_s = 10;        // between two keyframes of the same mission
   double seed = 1;
 
@@ -39,7 +39,7 @@ struct SimulatedClosure {
   bool outlier = false;
 };
 
-// Pairs of keyframes with ground truth that meet: a keyframe with the nearest earlier one of its
+// Pairs of keyframes with ground truth that meet: a keyframe with the nearest earlier ones of its
 // own mission and of each mission listed before it whose ground truth lies in the same frame. The
 // noise is Gaussian on the right tangent and so is the stated covariance, also of outliers. The
 // same plans and seed give the same closures. O(n^2) distances.

@@ -40,7 +40,7 @@ DatasetDefaults DefaultsOf(DatasetKind kind) {
     case DatasetKind::kExample:
     case DatasetKind::kEuroc:
     case DatasetKind::kTum:
-      return {{0.4, 0.5}, {0.02, 0.002, 0.01}, true};
+      return {{0.4, 0.5}, {0.03, 0.002, 0.01}, true};
     case DatasetKind::kMulran:
     case DatasetKind::kKitti:
       return {{2, 0.3}, {0.03, 0.0005, 0.01}, false};

@@ -67,6 +67,7 @@ absl::StatusOr<RobotPlan> MakeRobotPlan(const Recording& recording,
   plan.id = recording.id;
   plan.common_from_world = recording.common_from_world;
   plan.odometry = Poses(recording.odometry);
+  plan.stamps = Stamps(recording.odometry);
   plan.frames = recording.frames;
   plan.path_m = PathLength(plan.odometry);
   plan.rows = SelectKeyframes(plan.odometry, selection);
@@ -86,36 +87,38 @@ absl::StatusOr<RobotPlan> MakeRobotPlan(const Recording& recording,
   return plan;
 }
 
-std::optional<LoopClosure> PlaceClosure(const FrameClosure& closure, const RobotPlan& from,
-                                        const RobotPlan& to) {
-  const std::optional<int> from_row = RowOf(from, closure.from_frame);
-  const std::optional<int> to_row = RowOf(to, closure.to_frame);
-  if (!from_row.has_value() || !to_row.has_value()) return std::nullopt;
-  const int from_keyframe = NearestKeyframe(from, *from_row);
-  const int to_keyframe = NearestKeyframe(to, *to_row);
+std::optional<LoopClosure> PlaceClosure(const RobotPlan& from, int from_row, const RobotPlan& to,
+                                        int to_row, const Rigid3d& from_tform_to,
+                                        const Matrix6d& covariance) {
+  const int from_keyframe = NearestKeyframe(from, from_row);
+  const int to_keyframe = NearestKeyframe(to, to_row);
   LoopClosure placed;
   placed.from = {from.id, from_keyframe};
   placed.to = {to.id, to_keyframe};
   if (placed.from == placed.to) return std::nullopt;
-  const Rigid3d frame_from_keyframe = Between(to, *to_row, to.rows[to_keyframe]);
-  placed.from_tform_to = Between(from, from.rows[from_keyframe], *from_row) *
-                         closure.from_tform_to * frame_from_keyframe;
-  placed.covariance = CompoundCovariance(closure.covariance, frame_from_keyframe, Matrix6d::Zero());
+  const Rigid3d row_from_keyframe = Between(to, to_row, to.rows[to_keyframe]);
+  placed.from_tform_to =
+      Between(from, from.rows[from_keyframe], from_row) * from_tform_to * row_from_keyframe;
+  placed.covariance = CompoundCovariance(covariance, row_from_keyframe, Matrix6d::Zero());
   return placed;
 }
 
 std::vector<LoopClosure> PlaceClosures(const std::vector<FrameClosure>& closures,
                                        const std::vector<RobotPlan>& plans) {
-  std::vector<LoopClosure> placed;
+  std::vector<LoopClosure> result;
   for (const FrameClosure& closure : closures) {
     for (const RobotPlan& from : plans) {
       for (const RobotPlan& to : plans) {
-        const std::optional<LoopClosure> one = PlaceClosure(closure, from, to);
-        if (one.has_value()) placed.push_back(*one);
+        const std::optional<int> from_row = RowOf(from, closure.from_frame);
+        const std::optional<int> to_row = RowOf(to, closure.to_frame);
+        if (!from_row.has_value() || !to_row.has_value()) continue;
+        const std::optional<LoopClosure> placed =
+            PlaceClosure(from, *from_row, to, *to_row, closure.from_tform_to, closure.covariance);
+        if (placed.has_value()) result.push_back(*placed);
       }
     }
   }
-  return placed;
+  return result;
 }
 
 }  // namespace overtone

@@ -30,6 +30,7 @@ struct RobotPlan {
   // and frames.
   std::vector<int> rows;
   std::vector<Rigid3d> odometry;
+  std::vector<Timestamp> stamps;
   std::vector<int64_t> frames;
 
   // Data time of keyframe i since the first.
@@ -41,12 +42,14 @@ absl::StatusOr<RobotPlan> MakeRobotPlan(const Recording& recording,
                                         const KeyframeSelectionOptions& selection,
                                         const MotionNoise& noise);
 
-// The measurement between frames of two recordings, carried by their odometry to the keyframes
-// nearest to them. Absent: a robot lacks its frame, or both ends fall on one keyframe.
-std::optional<LoopClosure> PlaceClosure(const FrameClosure& closure, const RobotPlan& from,
-                                        const RobotPlan& to);
+// The measurement from_tform_to between two rows of two recordings (or of one), carried by their
+// odometry to the keyframes nearest to them. Absent when both ends fall on one keyframe.
+std::optional<LoopClosure> PlaceClosure(const RobotPlan& from, int from_row, const RobotPlan& to,
+                                        int to_row, const Rigid3d& from_tform_to,
+                                        const Matrix6d& covariance);
 
-// All measurements between all robots of `plans` that hold both ends.
+// Every measurement, between all robots of `plans` that hold both its frames: where recordings
+// overlap, each of them saw the place.
 std::vector<LoopClosure> PlaceClosures(const std::vector<FrameClosure>& closures,
                                        const std::vector<RobotPlan>& plans);
 

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The operator's end of a mapping server, call by call.
+#ifndef OVERTONE_CLIENT_CLI_ADMIN_CLIENT_H_
+#define OVERTONE_CLIENT_CLI_ADMIN_CLIENT_H_
+
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "absl/time/time.h"
+#include "overtone/core/common/ids.h"
+#include "overtone/v1/map_admin_service.grpc.pb.h"
+
+namespace overtone {
+
+// Every call waits for the server up to `timeout`, then DeadlineExceeded or Unavailable naming it.
+// Thread-safe.
+class AdminClient {
+ public:
+  AdminClient(std::string server, absl::Duration timeout);
+
+  absl::StatusOr<std::vector<v1::MapSummary>> ListMaps();
+  // NotFound: no such map.
+  absl::StatusOr<v1::MapSummary> GetMap(const std::string& map);
+  absl::StatusOr<std::vector<v1::Mission>> ListMissions(const std::string& map);
+  absl::StatusOr<std::vector<v1::LoopClosureStatus>> ListLoopClosures(const std::string& map);
+  absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const std::string& map,
+                                                          const MissionId& mission);
+  absl::Status ExportMap(const std::string& map, v1::ExportFormat format, std::ostream* out);
+
+ private:
+  std::string server_;
+  absl::Duration timeout_;
+  std::unique_ptr<v1::MapAdminService::Stub> stub_;
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_CLI_ADMIN_CLIENT_H_

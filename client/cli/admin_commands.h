@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// `overtone status`, `missions`, `closures` and `export`: a server's maps, seen from outside.
+#ifndef OVERTONE_CLIENT_CLI_ADMIN_COMMANDS_H_
+#define OVERTONE_CLIENT_CLI_ADMIN_COMMANDS_H_
+
+#include <functional>
+
+#include "CLI/CLI.hpp"
+
+namespace overtone {
+
+// `run` receives what to do when one of the subcommands was chosen; it returns the exit code.
+void AddAdminCommands(CLI::App* app, std::function<int()>* run);
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_CLI_ADMIN_COMMANDS_H_

@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/cli/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/synchronization/mutex.h"
+#include "absl/time/clock.h"
+#include "overtone/client/cli/admin_client.h"
+#include "overtone/client/cli/interrupt.h"
+#include "overtone/client/cli/replay_input.h"
+#include "overtone/client/cli/replay_record.h"
+#include "overtone/client/cli/results.h"
+#include "overtone/client/cli/server_process.h"
+#include "overtone/client/cli/team.h"
+#include "overtone/core/common/status_macros.h"
+
+namespace overtone {
+namespace {
+
+constexpr absl::Duration kPollInterval = absl::Milliseconds(20);
+constexpr absl::Duration kAdminTimeout = absl::Seconds(60);
+
+class Replay {
+ public:
+  explicit Replay(const ReplayOptions& options) : options_(options) {}
+
+  absl::StatusOr<RunResult> Run() {
+    ASSIGN_OR_RETURN(input_, MakeReplayInput(options_));
+    RETURN_IF_ERROR(StartServer());
+    RETURN_IF_ERROR(StartTeam());
+    ReplayRecord record(input_);
+    RETURN_IF_ERROR(March(&record));
+    ASSIGN_OR_RETURN(RunResult result, record.Finish(admin_.get(), map_));
+    team_.reset();
+    if (server_ != nullptr) RETURN_IF_ERROR(server_->Stop());
+    return result;
+  }
+
+ private:
+  absl::Status StartServer() {
+    map_ = options_.map.empty()
+               ? absl::FormatTime("replay-%Y%m%d-%H%M%S", absl::Now(), absl::UTCTimeZone())
+               : options_.map;
+    address_ = options_.server;
+    if (address_.empty()) {
+      ASSIGN_OR_RETURN(server_,
+                       ServerProcess::Start(FindServerProgram(), {}, options_.out + "/server.log",
+                                            CheckInterrupted));
+      address_ = server_->address();
+      std::cerr << "Mapping server " << server_->pid() << " listens on " << address_ << "\n";
+    }
+    admin_ = std::make_unique<AdminClient>(address_, kAdminTimeout);
+    // What the map holds already, when it is one that exists.
+    const absl::StatusOr<v1::MapSummary> map = admin_->GetMap(map_);
+    if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
+    if (map.ok()) {
+      keyframes_before_ = map->keyframes();
+      closures_before_ = map->loop_closures();
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status StartTeam() {
+    const std::vector<RobotRecording> recordings = MakeRecordings(input_);
+    int64_t all_keyframes = 0;
+    for (const RobotRecording& recording : recordings) all_keyframes += recording.keyframes.size();
+    std::vector<TeamMember> members;
+    for (size_t i = 0; i < recordings.size(); ++i) {
+      const std::string& name = input_.plans[i].name;
+      const std::string folder = absl::StrCat(options_.out, "/", name);
+      RETURN_IF_ERROR(MakeFolder(folder));
+      const std::string file = folder + "/recording.json";
+      RETURN_IF_ERROR(WriteRobotRecording(file, recordings[i]));
+      ClientFlags client = options_.client;
+      if (options_.reduction_percent > 0) {
+        client.max_nodes =
+            ReducedNodes(client.multi_robot_graph ? all_keyframes : recordings[i].keyframes.size());
+      }
+      members.push_back({name, file, client.ToArguments()});
+    }
+    TeamOptions team;
+    team.program = std::filesystem::read_symlink("/proc/self/exe").string();
+    team.server = address_;
+    team.map = map_;
+    team.timeout = absl::Seconds(options_.timeout_s);
+    ASSIGN_OR_RETURN(team_, Team::Start(team, members, [this] { return CheckRunning(); }));
+    return absl::OkStatus();
+  }
+
+  // What --reduction leaves of this many nodes.
+  int ReducedNodes(int64_t nodes) const {
+    const double kept = (1 - options_.reduction_percent / 100) * static_cast<double>(nodes);
+    return std::max(1, static_cast<int>(std::lround(kept)));
+  }
+
+  absl::Status CheckRunning() {
+    RETURN_IF_ERROR(CheckInterrupted());
+    return server_ == nullptr ? absl::OkStatus() : server_->CheckAlive();
+  }
+
+  absl::Status March(ReplayRecord* record) {
+    const absl::Time start = absl::Now();
+    bool done = false;
+    for (int step = 1; !done; ++step) {
+      const double time_s = std::min(step * options_.compare_every_s, record->duration_s());
+      if (options_.speed > 0)
+        RETURN_IF_ERROR(SleepUntil(start + absl::Seconds(time_s / options_.speed)));
+      ASSIGN_OR_RETURN(const std::vector<Json> progress,
+                       team_->AskAll(absl::StrFormat("advance %.17g", time_s)));
+      ASSIGN_OR_RETURN(const uint64_t revision, WaitUntilMapped(progress));
+      ASSIGN_OR_RETURN(const std::vector<Json> comparisons,
+                       team_->AskAll(absl::StrCat("compare ", revision)));
+      RETURN_IF_ERROR(record->Add(comparisons));
+      std::cerr << record->ProgressLine(time_s, revision) << "\n";
+      done = time_s >= record->duration_s();
+    }
+    return absl::OkStatus();
+  }
+
+  // In slices, so that an interrupt ends it.
+  absl::Status SleepUntil(absl::Time when) {
+    while (absl::Now() < when) {
+      RETURN_IF_ERROR(CheckRunning());
+      absl::SleepFor(std::min(when - absl::Now(), absl::Milliseconds(100)));
+    }
+    return absl::OkStatus();
+  }
+
+  // The first revision that holds all that the robots have sent. The server publishes on its own
+  // time; asking is all one can do from outside.
+  absl::StatusOr<uint64_t> WaitUntilMapped(const std::vector<Json>& progress) {
+    int64_t keyframes = keyframes_before_, closures = closures_before_;
+    for (const Json& robot : progress) {
+      keyframes += robot.at("keyframes").get<int64_t>();
+      closures += robot.at("closures").get<int64_t>();
+    }
+    const absl::Time deadline = absl::Now() + absl::Seconds(options_.timeout_s);
+    for (;;) {
+      RETURN_IF_ERROR(CheckRunning());
+      ASSIGN_OR_RETURN(const v1::MapSummary map, admin_->GetMap(map_));
+      if (map.keyframes() >= keyframes && map.loop_closures() >= closures) return map.revision();
+      if (absl::Now() >= deadline) {
+        return absl::DeadlineExceededError(absl::StrFormat(
+            "the server has mapped %d of %d keyframes and %d of %d loop closures after %g s "
+            "(--timeout)",
+            map.keyframes(), keyframes, map.loop_closures(), closures, options_.timeout_s));
+      }
+      absl::SleepFor(kPollInterval);
+    }
+  }
+
+  const ReplayOptions& options_;
+  ReplayInput input_;
+  std::string map_;
+  std::string address_;
+  int64_t keyframes_before_ = 0;
+  int64_t closures_before_ = 0;
+  std::unique_ptr<ServerProcess> server_;
+  std::unique_ptr<AdminClient> admin_;
+  std::unique_ptr<Team> team_;  // ends before the server
+};
+
+std::vector<std::pair<std::string, std::string>> Settings(const ReplayOptions& options) {
+  std::vector<std::pair<std::string, std::string>> settings = options.client.Describe();
+  settings.emplace_back("compare-every", absl::StrCat(options.compare_every_s, " s"));
+  settings.emplace_back("reduction", absl::StrCat(options.reduction_percent, " %"));
+  return settings;
+}
+
+}  // namespace
+
+absl::StatusOr<RunResult> RunReplay(const ReplayOptions& options) {
+  const absl::Time start = absl::Now();
+  RETURN_IF_ERROR(MakeFolder(options.out));
+  CatchInterrupts();
+  Replay replay(options);
+  ASSIGN_OR_RETURN(RunResult result, replay.Run());
+  result.dataset = options.dataset_name;
+  result.command = options.command_line;
+  result.settings = Settings(options);
+  result.wall_time_s = absl::ToDoubleSeconds(absl::Now() - start);
+  RETURN_IF_ERROR(WriteResults(result, options.out));
+  return result;
+}
+
+}  // namespace overtone

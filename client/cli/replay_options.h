@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef OVERTONE_CLIENT_CLI_REPLAY_OPTIONS_H_
+#define OVERTONE_CLIENT_CLI_REPLAY_OPTIONS_H_
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "overtone/client/cli/client_flags.h"
+#include "overtone/client/cli/dataset.h"
+
+namespace overtone {
+
+// As on the command line; replay_command.cc says what each means.
+struct ReplayOptions {
+  DatasetKind dataset = DatasetKind::kExample;
+  std::string dataset_name = "example";
+  std::vector<std::string> robots;      // NAME:odometry[:ground_truth]
+  std::vector<std::string> alignments;  // NAME:file
+  int split = 1;
+  double overlap = 0.2;
+  double example_duration_s = 600;
+
+  std::string closures_from_ground_truth;  // empty: none
+  std::string closures_file;               // empty: none
+
+  std::optional<double> keyframe_distance_m;  // absent: the dataset's default
+  std::optional<double> keyframe_rotation_rad;
+  std::string odometry_sigma;
+
+  std::string server;  // empty: one of our own
+  std::string map;     // empty: one of this run's own
+  double speed = 0;    // data seconds per second; 0: as fast as possible
+  double compare_every_s = 20;
+  double reduction_percent = 0;
+  double timeout_s = 300;
+  std::string out = "run";
+  ClientFlags client;
+
+  std::string command_line;  // for the record
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_CLI_REPLAY_OPTIONS_H_

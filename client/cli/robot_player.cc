@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/cli/robot_player.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "absl/memory/memory.h"
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+
+namespace overtone {
+namespace {
+
+// Well below the wire's limits of 2000 keyframes, 2000 closures and 1 MiB per submap.
+constexpr int64_t kMaxKeyframesPerSubmap = 500;
+constexpr size_t kMaxClosuresPerMessage = 500;
+
+Json ChangesToJson(const ConstraintBatch& batch, double time_s) {
+  Json changes = Json::array();
+  for (const Constraint& constraint : batch.add) {
+    changes.push_back(ToJson(ConstraintRecord{ConstraintAction::kAdd, constraint, time_s}));
+  }
+  for (const Constraint& constraint : batch.update) {
+    changes.push_back(ToJson(ConstraintRecord{ConstraintAction::kUpdate, constraint, time_s}));
+  }
+  for (const std::string& id : batch.retract) {
+    Constraint constraint;
+    constraint.id = id;
+    constraint.revision = batch.revision;
+    changes.push_back(ToJson(ConstraintRecord{ConstraintAction::kRetract, constraint, time_s}));
+  }
+  return changes;
+}
+
+// Row by row: large, mid, small.
+Json DiscrepancyToJson(const Eigen::MatrixXd& discrepancy) {
+  Json rows = Json::array();
+  for (int row = 0; row < discrepancy.rows(); ++row) {
+    rows.push_back({discrepancy(row, 0), discrepancy(row, 1), discrepancy(row, 2)});
+  }
+  return rows;
+}
+
+Json TrajectoryToJson(const std::vector<OnboardPose>& trajectory) {
+  Json poses = Json::array();
+  for (const OnboardPose& pose : trajectory) poses.push_back(ToJson(pose.estimate_from_body));
+  return poses;
+}
+
+Json ToJson(const SynchronizationReport& report, double time_s) {
+  return {{"revision", report.comparison.revision},
+          {"compare_ms", report.compare_ms},
+          {"keyframe_index", report.comparison.keyframe_index},
+          {"discrepancy", DiscrepancyToJson(report.comparison.discrepancy)},
+          {"changes", ChangesToJson(report.batch, time_s)}};
+}
+
+}  // namespace
+
+RobotPlayer::RobotPlayer(RobotRecording recording, absl::Duration timeout)
+    : recording_(std::move(recording)), timeout_(timeout) {}
+
+absl::StatusOr<std::unique_ptr<RobotPlayer>> RobotPlayer::Create(RobotRecording recording,
+                                                                 MappingClientOptions options,
+                                                                 absl::Duration timeout) {
+  options.mission = recording.id;
+  options.min_time_between_comparisons = absl::InfiniteDuration();
+  auto player = absl::WrapUnique(new RobotPlayer(std::move(recording), timeout));
+  ASSIGN_OR_RETURN(player->client_, MappingClient::Create(std::move(options), &player->estimator_));
+  return player;
+}
+
+double RobotPlayer::TimeOf(int64_t index) const {
+  return SecondsBetween(recording_.keyframes[0].stamp, recording_.keyframes[index].stamp);
+}
+
+absl::StatusOr<Json> RobotPlayer::Advance(double time_s) {
+  const int64_t count = static_cast<int64_t>(recording_.keyframes.size());
+  while (next_index_ < count && TimeOf(next_index_) <= time_s) {
+    const int64_t begin = next_index_;
+    int64_t end = begin;
+    while (end < count && end - begin < kMaxKeyframesPerSubmap && TimeOf(end) <= time_s) ++end;
+    RETURN_IF_ERROR(AddToEstimator(begin, end));
+    RETURN_IF_ERROR(Upload(begin, end));
+    next_index_ = end;
+  }
+  RETURN_IF_ERROR(client_->WaitUntilAcknowledged(timeout_));
+  return Json{
+      {"keyframes", next_index_}, {"closures", closures_sent_}, {"done", next_index_ == count}};
+}
+
+absl::Status RobotPlayer::AddToEstimator(int64_t begin, int64_t end) {
+  for (int64_t i = begin; i < end; ++i) {
+    const Keyframe& keyframe = recording_.keyframes[i];
+    const Rigid3d motion = i == 0 ? keyframe.mission_from_body
+                                  : recording_.keyframes[i - 1].mission_from_body.Inverse() *
+                                        keyframe.mission_from_body;
+    RETURN_IF_ERROR(estimator_.AddKeyframe(i, keyframe.stamp, motion, keyframe.motion_covariance));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status RobotPlayer::Upload(int64_t begin, int64_t end) {
+  Submap submap;
+  submap.sequence = next_sequence_++;
+  submap.first_index = begin;
+  submap.keyframes.assign(recording_.keyframes.begin() + begin, recording_.keyframes.begin() + end);
+  const std::vector<LoopClosure> closures = ClosuresOf(begin, end);
+  const size_t in_submap = std::min(closures.size(), kMaxClosuresPerMessage);
+  submap.loop_closures.assign(closures.begin(), closures.begin() + in_submap);
+  RETURN_IF_ERROR(client_->AddSubmap(submap));
+  for (size_t i = in_submap; i < closures.size(); i += kMaxClosuresPerMessage) {
+    const size_t stop = std::min(closures.size(), i + kMaxClosuresPerMessage);
+    RETURN_IF_ERROR(client_->AddLoopClosures({closures.begin() + i, closures.begin() + stop}));
+  }
+  closures_sent_ += static_cast<int64_t>(closures.size());
+  return absl::OkStatus();
+}
+
+// A closure comes to light with its later end: in this mission the end of the higher index.
+std::vector<LoopClosure> RobotPlayer::ClosuresOf(int64_t begin, int64_t end) const {
+  std::vector<LoopClosure> closures;
+  for (const LoopClosure& closure : recording_.closures) {
+    int64_t later = -1;
+    for (const NodeId& node : {closure.from, closure.to}) {
+      if (node.mission == recording_.id) later = std::max(later, node.index);
+    }
+    if (later >= begin && later < end) closures.push_back(closure);
+  }
+  return closures;
+}
+
+absl::StatusOr<Json> RobotPlayer::Compare(uint64_t min_revision) {
+  if (next_index_ == 0) return absl::FailedPreconditionError("compare before the first advance");
+  const double time_s = TimeOf(next_index_ - 1);
+  RETURN_IF_ERROR(client_->WaitForKeyframe(next_index_ - 1, min_revision, timeout_));
+  Json answer = {{"time_s", time_s}};
+  const absl::StatusOr<SynchronizationReport> report = client_->Synchronize();
+  if (report.ok()) {
+    RETURN_IF_ERROR(report->host_status);
+    answer.update(ToJson(*report, time_s));
+  } else if (absl::IsFailedPrecondition(report.status())) {  // too short to be compared as yet
+    answer["skipped"] = std::string(report.status().message());
+  } else {
+    return report.status();
+  }
+  const MappingClientStats stats = client_->Stats();
+  answer["bytes_up"] = stats.bytes_sent;
+  answer["bytes_down"] = stats.bytes_received;
+  answer["trajectory"] = TrajectoryToJson(estimator_.Trajectory());
+  return answer;
+}
+
+}  // namespace overtone
