@@ -2,7 +2,7 @@
 #include "overtone/core/spectral/krylov_filter.h"
 
 #include <algorithm>
-#include <utility>
+#include <optional>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -10,6 +10,7 @@
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/spectral/lanczos.h"
 #include "overtone/core/spectral/meyer_wavelets.h"
+#include "overtone/core/spectral/tridiagonal_eigensystem.h"
 
 namespace overtone {
 namespace {
@@ -21,61 +22,77 @@ Eigen::MatrixXd StartVectors(const Eigen::MatrixXd& signals) {
   return starts;
 }
 
-// The basis V of each signal, n x capacity, grown by doubling.
+// The basis V of each signal, in blocks of columns: growing copies nothing.
 class KrylovBases {
  public:
-  explicit KrylovBases(int num_signals) : bases_(num_signals) {}
+  explicit KrylovBases(int num_signals) : blocks_(num_signals) {}
 
-  const Eigen::MatrixXd& basis(int signal) const { return bases_[signal]; }
   void Append(const RowMajorMatrix& vectors) {
-    for (size_t c = 0; c < bases_.size(); ++c) {
-      if (size_ == bases_[c].cols()) {
-        bases_[c].conservativeResize(vectors.rows(), std::max<Eigen::Index>(64, 2 * size_));
-      }
-      bases_[c].col(size_) = vectors.col(c);
+    const int column = size_++ % kBlock;
+    for (size_t c = 0; c < blocks_.size(); ++c) {
+      if (column == 0) blocks_[c].emplace_back(vectors.rows(), kBlock);
+      blocks_[c].back().col(column) = vectors.col(c);
     }
-    ++size_;
+  }
+
+  // The first m vectors of the signal's basis times `weights`, m x k.
+  Eigen::MatrixXd Combine(int signal, const Eigen::MatrixXd& weights) const {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(blocks_[signal][0].rows(), weights.cols());
+    const int m = static_cast<int>(weights.rows());
+    for (int first = 0; first < m; first += kBlock) {
+      const int count = std::min(kBlock, m - first);
+      sum.noalias() +=
+          blocks_[signal][first / kBlock].leftCols(count) * weights.middleRows(first, count);
+    }
+    return sum;
   }
 
  private:
-  Eigen::Index size_ = 0;
-  std::vector<Eigen::MatrixXd> bases_;
+  static constexpr int kBlock = 32;
+  int size_ = 0;
+  std::vector<std::vector<Eigen::MatrixXd>> blocks_;
 };
 
-// |f| g_s(T) e_1, m x num_scales.
-absl::StatusOr<Eigen::MatrixXd> ProjectedFilter(const LanczosTridiagonal& tridiagonal,
-                                                const MeyerFilterBank& bank) {
-  Eigen::VectorXd eigenvalues;
-  Eigen::MatrixXd q;
-  if (!DecomposeTridiagonal(tridiagonal, eigenvalues, &q)) {
-    return absl::InternalError("Krylov filter: the tridiagonal eigensolver did not converge");
+// The eigensystems of all columns of dimension > 0; the others (zero signals) are left out.
+using Eigensystems = std::vector<std::optional<TridiagonalEigensystem>>;
+
+absl::StatusOr<Eigensystems> Decompose(const LockstepLanczos& lanczos, int num_columns) {
+  Eigensystems systems(num_columns);
+  for (int c = 0; c < num_columns; ++c) {
+    const LanczosTridiagonal& tridiagonal = lanczos.tridiagonal(c);
+    if (tridiagonal.dimension() == 0) continue;
+    systems[c].emplace(tridiagonal.diagonal, tridiagonal.subdiagonal);
+    if (!systems[c]->ok()) {
+      return absl::InternalError("Krylov filter: the tridiagonal eigensolver did not converge");
+    }
   }
-  const Eigen::MatrixXd kernels = bank.Evaluate(eigenvalues.cwiseMax(0.0)).transpose();
-  return (tridiagonal.start_norm * q) * (q.row(0).transpose().asDiagonal() * kernels);
+  return systems;
 }
 
-absl::StatusOr<std::vector<Eigen::MatrixXd>> Coefficients(const LockstepLanczos& lanczos,
-                                                          const KrylovBases& bases, int num_signals,
-                                                          const MeyerFilterBank& bank) {
+double LargestEigenvalueOfAll(const Eigensystems& systems) {
+  double largest = 0;
+  for (const auto& system : systems) {
+    if (system) largest = std::max(largest, system->eigenvalues().maxCoeff());
+  }
+  return largest;
+}
+
+// |f| V_m g_s(T_m) e_1 of every signal.
+std::vector<Eigen::MatrixXd> Coefficients(const LockstepLanczos& lanczos,
+                                          const Eigensystems& systems, const KrylovBases& bases,
+                                          int num_signals, const MeyerFilterBank& bank) {
   const Eigen::Index n = lanczos.vectors().rows();
   std::vector<Eigen::MatrixXd> coefficients(bank.num_scales(),
                                             Eigen::MatrixXd::Zero(n, num_signals));
   for (int c = 0; c < num_signals; ++c) {
-    const LanczosTridiagonal& tridiagonal = lanczos.tridiagonal(c);
-    if (tridiagonal.dimension() == 0) continue;  // a zero signal
-    ASSIGN_OR_RETURN(const Eigen::MatrixXd projected, ProjectedFilter(tridiagonal, bank));
-    const Eigen::MatrixXd filtered = bases.basis(c).leftCols(tridiagonal.dimension()) * projected;
+    if (!systems[c]) continue;
+    const Eigen::MatrixXd kernels =
+        bank.Evaluate(systems[c]->eigenvalues().cwiseMax(0.0)).transpose();
+    const Eigen::MatrixXd filtered = bases.Combine(
+        c, lanczos.tridiagonal(c).start_norm * systems[c]->FunctionsTimesFirstUnit(kernels));
     for (int s = 0; s < bank.num_scales(); ++s) coefficients[s].col(c) = filtered.col(s);
   }
   return coefficients;
-}
-
-double LargestRitzValueOfAll(const LockstepLanczos& lanczos, int num_columns) {
-  double largest = 0;
-  for (int c = 0; c < num_columns; ++c) {
-    largest = std::max(largest, LargestRitzValue(lanczos.tridiagonal(c)));
-  }
-  return largest;
 }
 
 }  // namespace
@@ -95,9 +112,10 @@ absl::StatusOr<FilterResult> KrylovFilter(const SparseMatrix& laplacian,
     ++result.order;
     const bool exhausted = lanczos.AllExhausted();
     if (result.order < next_check && !exhausted) continue;
-    result.lmax = LargestRitzValueOfAll(lanczos, num_signals + 1);
+    ASSIGN_OR_RETURN(const Eigensystems systems, Decompose(lanczos, num_signals + 1));
+    result.lmax = LargestEigenvalueOfAll(systems);
     const MeyerFilterBank bank(result.lmax, num_scales);
-    ASSIGN_OR_RETURN(result.coefficients, Coefficients(lanczos, bases, num_signals, bank));
+    result.coefficients = Coefficients(lanczos, systems, bases, num_signals, bank);
     if (exhausted) return result;  // the spaces are invariant: nothing is missing
     if (convergence.Update(result.coefficients)) break;
     next_check = FilterConvergence::NextOrder(result.order);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "Eigen/Eigenvalues"
+#include "overtone/core/spectral/tridiagonal_eigensystem.h"
 
 namespace overtone {
 namespace {
@@ -101,28 +101,10 @@ Eigen::VectorXd GenericStartVector(int size) {
   return start;
 }
 
-bool DecomposeTridiagonal(const LanczosTridiagonal& tridiagonal, Eigen::VectorXd& eigenvalues,
-                          Eigen::MatrixXd* eigenvectors) {
-  const int m = tridiagonal.dimension();
-  const Eigen::Map<const Eigen::VectorXd> diagonal(tridiagonal.diagonal.data(), m);
-  const Eigen::Map<const Eigen::VectorXd> subdiagonal(tridiagonal.subdiagonal.data(), m - 1);
-  double scale = diagonal.cwiseAbs().maxCoeff();
-  if (m > 1) scale = std::max(scale, subdiagonal.cwiseAbs().maxCoeff());
-  if (!(scale > 0)) scale = 1;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(diagonal / scale, subdiagonal / scale,
-                                eigenvectors ? Eigen::ComputeEigenvectors : Eigen::EigenvaluesOnly);
-  if (solver.info() != Eigen::Success) return false;
-  eigenvalues = scale * solver.eigenvalues();
-  if (eigenvectors) *eigenvectors = solver.eigenvectors();
-  return true;
-}
-
 double LargestRitzValue(const LanczosTridiagonal& tridiagonal) {
-  Eigen::VectorXd eigenvalues;
   if (tridiagonal.dimension() == 0) return 0;
-  if (!DecomposeTridiagonal(tridiagonal, eigenvalues, /*eigenvectors=*/nullptr)) return 0;
-  return std::max(0.0, eigenvalues.tail<1>()[0]);
+  const TridiagonalEigensystem system(tridiagonal.diagonal, tridiagonal.subdiagonal);
+  return system.ok() ? std::max(0.0, system.eigenvalues().maxCoeff()) : 0;
 }
 
 double LargestEigenvalue(const SparseMatrix& laplacian) {

@@ -56,12 +56,6 @@ class LockstepLanczos {
 // A start vector with a part in every eigenspace: pseudo-random, the same on every machine.
 Eigen::VectorXd GenericStartVector(int size);
 
-// Eigenpairs of T_m, m > 0, eigenvalues increasing. False: no convergence. Null eigenvectors: not
-// wanted. Eigen's convergence test is not invariant to scale (sub^2 <= eps^2 |diag|) and may never
-// be met far above 1: T is scaled.
-bool DecomposeTridiagonal(const LanczosTridiagonal& tridiagonal, Eigen::VectorXd& eigenvalues,
-                          Eigen::MatrixXd* eigenvectors);
-
 // The largest eigenvalue of T_m; 0 for m = 0. A lower bound of the matrix's.
 double LargestRitzValue(const LanczosTridiagonal& tridiagonal);
 
