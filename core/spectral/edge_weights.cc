@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <numeric>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -43,11 +43,10 @@ LogLengths RelativeLog(const Rigid3d& a, const Rigid3d& b) {
   const Eigen::Vector3d offset = b.translation - a.translation;
   const double squared_offset = offset.squaredNorm();
   if (sine < 1e-9) return {2 * std::copysign(1.0, a_from_b.w()) * a_from_b.vec(), squared_offset};
-  const Eigen::Vector3d axis = a_from_b.vec() / sine;
-  const double along = (a.rotation * axis).dot(offset);
+  const double along = (a.rotation * a_from_b.vec()).dot(offset) / sine;
   const double squared_across = std::max(0.0, squared_offset - along * along);
-  const double stretch = half_angle / std::sin(half_angle);
-  return {2 * std::copysign(half_angle, a_from_b.w()) * axis,
+  const double stretch = half_angle * a_from_b.norm() / sine;  // angle / 2 over its sine
+  return {std::copysign(2 * half_angle / sine, a_from_b.w()) * a_from_b.vec(),
           along * along + stretch * stretch * squared_across};
 }
 
@@ -71,33 +70,67 @@ bool IsFinite(const Rigid3d& pose) {
          pose.translation.lpNorm<Eigen::Infinity>() < 1e150;
 }
 
-// For each node its neighbours of higher index, increasing.
-absl::StatusOr<std::vector<std::vector<int>>> NeighborsAbove(const std::vector<Rigid3d>& poses,
-                                                             double radius) {
+// Node pairs i < j with their weights, by i, then by j.
+struct WeightedPairs {
+  std::vector<int64_t> begin = {0};  // those of i are [begin[i], begin[i + 1])
+  std::vector<int> second;           // j
+  std::vector<double> weight;        // > 0
+};
+
+absl::StatusOr<WeightedPairs> PairsWithinRadius(const std::vector<Rigid3d>& poses,
+                                                const RadiusGraphOptions& options) {
   const PointCloud cloud{poses};
   const KdTree tree(/*dimensionality=*/3, cloud);
   // nanoflann's ball is open, and its squared distance rounds: search wider, then test exactly.
-  const double squared_search_radius = radius * radius * (1 + 1e-9);
+  const double squared_search_radius = options.radius_m * options.radius_m * (1 + 1e-9);
   std::vector<std::pair<int, double>> found;
-  std::vector<std::vector<int>> above(poses.size());
-  int64_t num_weights = 0;
+  std::vector<int> above;
+  WeightedPairs pairs;
   for (int i = 0; i < static_cast<int>(poses.size()); ++i) {
     tree.radiusSearch(poses[i].translation.data(), squared_search_radius, found,
                       nanoflann::SearchParams(/*checks_=*/0, /*eps_=*/0, /*sorted_=*/false));
+    above.clear();
     for (const auto& [j, squared_distance] : found) {
-      if (j > i && (poses[i].translation - poses[j].translation).norm() <= radius) {
-        above[i].push_back(j);
-      }
+      if (j > i && std::sqrt(squared_distance) <= options.radius_m) above.push_back(j);
     }
-    std::sort(above[i].begin(), above[i].end());
-    num_weights += 2 * static_cast<int64_t>(above[i].size());
-    if (num_weights > kMaxStoredWeights) {
+    if (2 * (pairs.second.size() + above.size()) > kMaxStoredWeights) {
       return absl::ResourceExhaustedError(absl::StrCat("radius graph: more than ",
                                                        kMaxStoredWeights / 2, " edges among ",
                                                        poses.size(), " poses"));
     }
+    std::sort(above.begin(), above.end());
+    for (const int j : above) {
+      const double weight = EdgeWeight(poses[i], poses[j], options);
+      if (!(weight > 0)) continue;  // underflow, or orthogonal rotations
+      pairs.second.push_back(j);
+      pairs.weight.push_back(weight);
+    }
+    pairs.begin.push_back(pairs.second.size());
   }
-  return above;
+  return pairs;
+}
+
+SparseMatrix SymmetricMatrix(const WeightedPairs& pairs) {
+  const int n = static_cast<int>(pairs.begin.size()) - 1;
+  SparseMatrix matrix(n, n);
+  matrix.resizeNonZeros(2 * pairs.second.size());
+  int* const outer = matrix.outerIndexPtr();
+  for (int i = 0; i < n; ++i) outer[i + 1] = static_cast<int>(pairs.begin[i + 1] - pairs.begin[i]);
+  for (const int j : pairs.second) ++outer[j + 1];
+  std::partial_sum(outer, outer + n + 1, outer);
+  // Going through the pairs in order, every column receives its rows in increasing order.
+  std::vector<int> end(outer, outer + n);
+  const auto append = [&](int row, int column, double weight) {
+    matrix.innerIndexPtr()[end[column]] = row;
+    matrix.valuePtr()[end[column]++] = weight;
+  };
+  for (int i = 0; i < n; ++i) {
+    for (int64_t p = pairs.begin[i]; p < pairs.begin[i + 1]; ++p) {
+      append(i, pairs.second[p], pairs.weight[p]);
+      append(pairs.second[p], i, pairs.weight[p]);
+    }
+  }
+  return matrix;
 }
 
 }  // namespace
@@ -145,29 +178,9 @@ absl::StatusOr<SparseMatrix> RadiusGraphAdjacency(const std::vector<Rigid3d>& po
       return absl::InvalidArgumentError(absl::StrCat("poses[", i, "]: not finite"));
     }
   }
-  SparseMatrix adjacency(n, n);
-  if (n < 2) return adjacency;
-  ASSIGN_OR_RETURN(const std::vector<std::vector<int>> above,
-                   NeighborsAbove(poses, options.radius_m));
-
-  Eigen::VectorXi degree = Eigen::VectorXi::Zero(n);
-  for (int i = 0; i < n; ++i) {
-    degree[i] += static_cast<int>(above[i].size());
-    for (const int j : above[i]) ++degree[j];
-  }
-  adjacency.reserve(degree);
-  // Going through the pairs in increasing order, every column receives its rows in increasing
-  // order.
-  for (int i = 0; i < n; ++i) {
-    for (const int j : above[i]) {
-      const double weight = EdgeWeight(poses[i], poses[j], options);
-      if (!(weight > 0)) continue;  // underflow, or orthogonal rotations
-      adjacency.insert(i, j) = weight;
-      adjacency.insert(j, i) = weight;
-    }
-  }
-  adjacency.makeCompressed();
-  return adjacency;
+  if (n < 2) return SparseMatrix(n, n);
+  ASSIGN_OR_RETURN(const WeightedPairs pairs, PairsWithinRadius(poses, options));
+  return SymmetricMatrix(pairs);
 }
 
 }  // namespace overtone

@@ -105,15 +105,28 @@ absl::StatusOr<SparseMatrix> AdjacencyFromEdges(const std::vector<MapEdge>& edge
   return adjacency;
 }
 
+// The adjacency ends here: the robot need not hold both.
+absl::StatusOr<SparseMatrix> DomainLaplacian(const MapGraph& graph, const Domain& domain,
+                                             const RadiusGraphOptions& rule) {
+  ASSIGN_OR_RETURN(const SparseMatrix adjacency,
+                   graph.edges.empty() ? RadiusGraphAdjacency(domain.map_from_body, rule)
+                                       : AdjacencyFromEdges(graph.edges, domain));
+  if (adjacency.nonZeros() == 0) {
+    return absl::FailedPreconditionError(
+        "graph: no edge between its nodes; is radius_m too small?");
+  }
+  return GraphLaplacian(adjacency);
+}
+
 }  // namespace
 
 Band BandOfScale(int scale, int num_scales) { return static_cast<Band>(3 * scale / num_scales); }
 
-absl::StatusOr<Eigen::MatrixXd> WaveletDiscrepancy(const SparseMatrix& adjacency,
+absl::StatusOr<Eigen::MatrixXd> WaveletDiscrepancy(const SparseMatrix& laplacian,
                                                    const Eigen::MatrixXd& signal_difference,
                                                    const WaveletOptions& options) {
   ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> coefficients,
-                   WaveletCoefficients(GraphLaplacian(adjacency), signal_difference, options));
+                   WaveletCoefficients(laplacian, signal_difference, options));
   Eigen::MatrixXd discrepancy = Eigen::MatrixXd::Zero(signal_difference.rows(), 3);
   for (int s = 0; s < options.num_scales; ++s) {
     const int band = static_cast<int>(BandOfScale(s, options.num_scales));
@@ -140,13 +153,7 @@ absl::StatusOr<TrajectoryComparison> CompareTrajectories(const MapGraph& graph,
   }
   TrajectoryComparison comparison = Associate(graph, *own, trajectory, matches);
   const Domain domain = MakeDomain(graph, *own, matches, options.multi_robot_graph);
-  ASSIGN_OR_RETURN(const SparseMatrix adjacency,
-                   graph.edges.empty() ? RadiusGraphAdjacency(domain.map_from_body, options.graph)
-                                       : AdjacencyFromEdges(graph.edges, domain));
-  if (adjacency.nonZeros() == 0) {
-    return absl::FailedPreconditionError(
-        "graph: no edge between its nodes; is radius_m too small?");
-  }
+  ASSIGN_OR_RETURN(const SparseMatrix laplacian, DomainLaplacian(graph, domain, options.graph));
 
   const auto signal = [&options](const std::vector<Rigid3d>& poses) {
     return TrajectorySignal(poses, options.signal, options.graph.metric, options.signal_weights);
@@ -158,7 +165,7 @@ absl::StatusOr<TrajectoryComparison> CompareTrajectories(const MapGraph& graph,
     difference.row(domain.node_of_row[row]) = row_difference.row(row);
   }
   ASSIGN_OR_RETURN(const Eigen::MatrixXd discrepancy,
-                   WaveletDiscrepancy(adjacency, difference, options.wavelets));
+                   WaveletDiscrepancy(laplacian, difference, options.wavelets));
   comparison.discrepancy.resize(row_difference.rows(), 3);
   for (int row = 0; row < row_difference.rows(); ++row) {
     comparison.discrepancy.row(row) = discrepancy.row(domain.node_of_row[row]);

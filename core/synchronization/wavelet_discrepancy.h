@@ -22,7 +22,7 @@ Band BandOfScale(int scale, int num_scales);
 // n x 3: for each node and Band the sum over the band's scales of |W_server - W_robot|, which is
 // |(g_s(L) (f - h))_n| since both share psi: one filtering of the one difference f - h (n x
 // channels; |.| is the norm over the channels).
-absl::StatusOr<Eigen::MatrixXd> WaveletDiscrepancy(const SparseMatrix& adjacency,
+absl::StatusOr<Eigen::MatrixXd> WaveletDiscrepancy(const SparseMatrix& laplacian,
                                                    const Eigen::MatrixXd& signal_difference,
                                                    const WaveletOptions& options);
 
