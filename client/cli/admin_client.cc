@@ -23,7 +23,6 @@ std::shared_ptr<grpc::Channel> CreateAdminChannel(const std::string& server) {
 
 void Prepare(grpc::ClientContext* context, absl::Duration timeout) {
   context->set_deadline(absl::ToChronoTime(absl::Now() + timeout));
-  context->set_wait_for_ready(true);
 }
 
 absl::Status Named(const std::string& server, const grpc::Status& status) {

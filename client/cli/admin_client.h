@@ -16,8 +16,8 @@
 
 namespace overtone {
 
-// Every call waits for the server up to `timeout`, then DeadlineExceeded or Unavailable naming it.
-// Thread-safe.
+// Errors name the server: Unavailable when it cannot be reached, DeadlineExceeded when it does not
+// answer within `timeout`. Thread-safe.
 class AdminClient {
  public:
   AdminClient(std::string server, absl::Duration timeout);

@@ -162,8 +162,8 @@ absl::StatusOr<std::string> ChildProcess::ReadLine(
   }
 }
 
-absl::Status ChildProcess::CheckAlive() {
-  return Reap(absl::ZeroDuration()) ? Ending() : absl::OkStatus();
+absl::Status ChildProcess::CheckAlive(absl::Duration wait) {
+  return Reap(wait) ? Ending() : absl::OkStatus();
 }
 
 absl::Status ChildProcess::Terminate(absl::Duration grace) {

@@ -49,7 +49,8 @@ class ChildProcess {
                                        const std::function<absl::Status()>& interrupted);
 
   // Ok while it runs; Unavailable saying how it ended, e.g. "robot mh_01 was ended by signal 9".
-  absl::Status CheckAlive();
+  // Waits so long for its end: sockets and pipes close a little before.
+  absl::Status CheckAlive(absl::Duration wait = absl::ZeroDuration());
 
   // SIGTERM, and after `grace` SIGKILL. Returns how it ended: ok for exit code 0. Repeated calls
   // return the same.

@@ -33,11 +33,8 @@ class Replay {
 
   absl::StatusOr<RunResult> Run() {
     ASSIGN_OR_RETURN(input_, MakeReplayInput(options_));
-    RETURN_IF_ERROR(StartServer());
-    RETURN_IF_ERROR(StartTeam());
-    ReplayRecord record(input_);
-    RETURN_IF_ERROR(March(&record));
-    ASSIGN_OR_RETURN(RunResult result, record.Finish(admin_.get(), map_));
+    absl::StatusOr<RunResult> result = Play();
+    if (!result.ok()) return Explain(result.status());
     team_.reset();
     if (server_ != nullptr) RETURN_IF_ERROR(server_->Stop());
     return result;
@@ -98,6 +95,22 @@ class Replay {
   int ReducedNodes(int64_t nodes) const {
     const double kept = (1 - options_.reduction_percent / 100) * static_cast<double>(nodes);
     return std::max(1, static_cast<int>(std::lround(kept)));
+  }
+
+  absl::StatusOr<RunResult> Play() {
+    RETURN_IF_ERROR(StartServer());
+    RETURN_IF_ERROR(StartTeam());
+    ReplayRecord record(input_);
+    RETURN_IF_ERROR(March(&record));
+    return record.Finish(admin_.get(), map_);
+  }
+
+  // A failed call is often only the first to notice that the server has died, or that the user has
+  // had enough.
+  absl::Status Explain(const absl::Status& status) {
+    RETURN_IF_ERROR(CheckInterrupted());
+    if (server_ != nullptr) RETURN_IF_ERROR(server_->CheckAlive(absl::Seconds(1)));
+    return status;
   }
 
   absl::Status CheckRunning() {

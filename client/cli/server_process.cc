@@ -61,8 +61,8 @@ ServerProcess::ServerProcess(std::unique_ptr<ChildProcess> process, std::string 
                              std::string log_path)
     : process_(std::move(process)), address_(std::move(address)), log_path_(std::move(log_path)) {}
 
-absl::Status ServerProcess::CheckAlive() {
-  const absl::Status status = process_->CheckAlive();
+absl::Status ServerProcess::CheckAlive(absl::Duration wait) {
+  const absl::Status status = process_->CheckAlive(wait);
   return status.ok() ? status : AddLog(status, log_path_);
 }
 

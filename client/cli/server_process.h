@@ -30,7 +30,7 @@ class ServerProcess {
   pid_t pid() const { return process_->pid(); }
 
   // Unavailable saying how it ended and where its log is.
-  absl::Status CheckAlive();
+  absl::Status CheckAlive(absl::Duration wait = absl::ZeroDuration());
 
   // Asks it to shut down and waits; not ok when it did not end with code 0.
   absl::Status Stop();
