@@ -19,10 +19,10 @@ struct ClosureSimulationOptions {
   double radius_m = 1;      // the two keyframes are no further apart than this
   double sigma_t_m = 0.03;  // noise of the measurement, per axis
   double sigma_r_rad = 0.00873;
-  double outliers = 0;          // share that is replaced by random wrong poses, [0, 1)
-  double density = 1;           // share of the keyframes that look for closures at all, (0, 1]
+  double outliers = 0;           // share that is replaced by random wrong poses, [0, 1)
+  double density = 1;            // share of the keyframes that look for closures at all, (0, 1]
   double max_per_keyframe = 12;  // each keeps its nearest ones, one of every mission first
-  double min_gap_s = 10;        // between two keyframes of the same mission
+  double min_gap_s = 10;         // between two keyframes of the same mission
   double seed = 1;
 
   absl::Status Validate() const;

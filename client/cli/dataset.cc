@@ -43,7 +43,7 @@ DatasetDefaults DefaultsOf(DatasetKind kind) {
       return {{0.4, 0.5}, {0.03, 0.002, 0.01}, true};
     case DatasetKind::kMulran:
     case DatasetKind::kKitti:
-      return {{2, 0.3}, {0.03, 0.0005, 0.01}, false};
+      return {{2, 0.3}, {0.1, 0.001, 0.01}, false};
     case DatasetKind::kG2o:
       return {{0, 0}, {}, false};  // every vertex; covariances are in the file
   }
