@@ -10,6 +10,7 @@
 namespace overtone {
 namespace {
 
+constexpr int kUsualOrder = 512;  // coefficients cost the square of the order
 constexpr int kMaxOrder = 2048;
 
 // T_k(2 L / lmax - 1) f for k = 0, 1, ..., summed with the coefficients of every scale.
@@ -21,7 +22,7 @@ class ChebyshevRecurrence {
         lmax_(lmax),
         coefficients_(coefficients),
         current_(signals),
-        previous_(signals.rows(), signals.cols()),
+        previous_(RowMajorMatrix::Zero(signals.rows(), signals.cols())),
         product_(signals.rows(), signals.cols()) {
     for (Eigen::Index s = 0; s < coefficients.rows(); ++s) {
       sums_.push_back(0.5 * coefficients(s, 0) * signals);
@@ -29,16 +30,15 @@ class ChebyshevRecurrence {
   }
 
   int order() const { return order_; }
-  const std::vector<Eigen::MatrixXd>& sums() const { return sums_; }
+  std::vector<Eigen::MatrixXd> sums() const { return {sums_.begin(), sums_.end()}; }
 
   // order -> order + 1, at most the coefficients' order.
   void Step() {
     MultiplySymmetric(laplacian_, current_, product_);
     const double factor = order_ == 0 ? 1 : 2;
-    product_ = (factor * 2 / lmax_) * product_ - factor * current_;
-    if (order_ > 0) product_ -= previous_;
+    // previous_ is 0 at first.
+    previous_ = (factor * 2 / lmax_) * product_ - factor * current_ - previous_;
     previous_.swap(current_);
-    current_.swap(product_);
     ++order_;
     for (size_t s = 0; s < sums_.size(); ++s) sums_[s] += coefficients_(s, order_) * current_;
   }
@@ -48,7 +48,7 @@ class ChebyshevRecurrence {
   const double lmax_;
   const Eigen::MatrixXd& coefficients_;
   RowMajorMatrix current_, previous_, product_;
-  std::vector<Eigen::MatrixXd> sums_;
+  std::vector<RowMajorMatrix> sums_;  // as current_: added without striding
   int order_ = 0;
 };
 
@@ -88,14 +88,18 @@ absl::StatusOr<FilterResult> ChebyshevFilter(const SparseMatrix& laplacian,
     return result;
   }
   const MeyerFilterBank bank(result.lmax, num_scales);
-  const Eigen::MatrixXd coefficients = ChebyshevCoefficients(bank, kMaxOrder, 4 * kMaxOrder);
+  const auto coefficients_up_to = [&bank](int order) {
+    return ChebyshevCoefficients(bank, order, /*num_points=*/4 * order);
+  };
+  Eigen::MatrixXd coefficients = coefficients_up_to(kUsualOrder);
   ChebyshevRecurrence recurrence(laplacian, result.lmax, coefficients, signals);
   FilterConvergence convergence(tolerance);
   int next_check = 80;
   while (next_check <= kMaxOrder) {
+    if (next_check >= coefficients.cols()) coefficients = coefficients_up_to(kMaxOrder);
     while (recurrence.order() < next_check) recurrence.Step();
-    if (convergence.Update(recurrence.sums())) {
-      result.coefficients = recurrence.sums();
+    result.coefficients = recurrence.sums();
+    if (convergence.Update(result.coefficients)) {
       result.order = recurrence.order();
       result.error_estimate = convergence.error_estimate();
       return result;

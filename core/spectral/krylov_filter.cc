@@ -53,12 +53,12 @@ class KrylovBases {
   std::vector<std::vector<Eigen::MatrixXd>> blocks_;
 };
 
-// The eigensystems of all columns of dimension > 0; the others (zero signals) are left out.
+// The eigensystem of every signal, none for a zero signal.
 using Eigensystems = std::vector<std::optional<TridiagonalEigensystem>>;
 
-absl::StatusOr<Eigensystems> Decompose(const LockstepLanczos& lanczos, int num_columns) {
-  Eigensystems systems(num_columns);
-  for (int c = 0; c < num_columns; ++c) {
+absl::StatusOr<Eigensystems> Decompose(const LockstepLanczos& lanczos, int num_signals) {
+  Eigensystems systems(num_signals);
+  for (int c = 0; c < num_signals; ++c) {
     const LanczosTridiagonal& tridiagonal = lanczos.tridiagonal(c);
     if (tridiagonal.dimension() == 0) continue;
     systems[c].emplace(tridiagonal.diagonal, tridiagonal.subdiagonal);
@@ -69,10 +69,10 @@ absl::StatusOr<Eigensystems> Decompose(const LockstepLanczos& lanczos, int num_c
   return systems;
 }
 
-double LargestEigenvalueOfAll(const Eigensystems& systems) {
+double LargestRitzValueOfAll(const LockstepLanczos& lanczos, int num_columns) {
   double largest = 0;
-  for (const auto& system : systems) {
-    if (system) largest = std::max(largest, system->eigenvalues().maxCoeff());
+  for (int c = 0; c < num_columns; ++c) {
+    largest = std::max(largest, LargestRitzValue(lanczos.tridiagonal(c)));
   }
   return largest;
 }
@@ -112,8 +112,8 @@ absl::StatusOr<FilterResult> KrylovFilter(const SparseMatrix& laplacian,
     ++result.order;
     const bool exhausted = lanczos.AllExhausted();
     if (result.order < next_check && !exhausted) continue;
-    ASSIGN_OR_RETURN(const Eigensystems systems, Decompose(lanczos, num_signals + 1));
-    result.lmax = LargestEigenvalueOfAll(systems);
+    ASSIGN_OR_RETURN(const Eigensystems systems, Decompose(lanczos, num_signals));
+    result.lmax = LargestRitzValueOfAll(lanczos, num_signals + 1);
     const MeyerFilterBank bank(result.lmax, num_scales);
     result.coefficients = Coefficients(lanczos, systems, bases, num_signals, bank);
     if (exhausted) return result;  // the spaces are invariant: nothing is missing

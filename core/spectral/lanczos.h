@@ -59,8 +59,8 @@ Eigen::VectorXd GenericStartVector(int size);
 // The largest eigenvalue of T_m; 0 for m = 0. A lower bound of the matrix's.
 double LargestRitzValue(const LanczosTridiagonal& tridiagonal);
 
-// lmax of a Laplacian, relative error about 1e-7: a feature's error is 2.5 to 4 times that of lmax.
-// About 80 products.
+// lmax of a Laplacian, relative error at most about 1e-6: a feature's error is 2.5 to 4 times that
+// of lmax. About 60 products, several times as many where large eigenvalues crowd.
 double LargestEigenvalue(const SparseMatrix& laplacian);
 
 }  // namespace overtone

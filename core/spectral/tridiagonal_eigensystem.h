@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "Eigen/Core"
-#include "Eigen/Jacobi"
 
 namespace overtone {
 
@@ -29,8 +28,8 @@ class TridiagonalEigensystem {
 
  private:
   struct Rotation {
-    int row;  // turns row and row + 1
-    Eigen::JacobiRotation<double> turn;
+    int k;  // of rows k and k + 1
+    double cosine, sine;
   };
 
   void QrStep(int begin, int end, Eigen::VectorXd& subdiagonal);
@@ -39,6 +38,10 @@ class TridiagonalEigensystem {
   Eigen::VectorXd eigenvalues_;
   std::vector<Rotation> rotations_;
 };
+
+// By bisection, to round-off of the largest entry; the same arguments. O(m).
+double LargestTridiagonalEigenvalue(const std::vector<double>& diagonal,
+                                    const std::vector<double>& subdiagonal);
 
 }  // namespace overtone
 

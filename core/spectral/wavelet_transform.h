@@ -21,7 +21,7 @@ enum class FilterMethod {
 struct WaveletOptions {
   int num_scales = 6;  // 3..9; index 0 = lowest graph frequency = widest neighbourhood
   FilterMethod method = FilterMethod::kAuto;
-  int exact_up_to_nodes = 200;  // kAuto
+  int exact_up_to_nodes = 100;  // kAuto; about where both take as long
   double tolerance = 1e-4;      // kFast: largest error over the largest coefficient
 
   absl::Status Validate() const;
