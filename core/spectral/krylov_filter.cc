@@ -69,13 +69,32 @@ absl::StatusOr<Eigensystems> Decompose(const LockstepLanczos& lanczos, int num_s
   return systems;
 }
 
-double LargestRitzValueOfAll(const LockstepLanczos& lanczos, int num_columns) {
-  double largest = 0;
-  for (int c = 0; c < num_columns; ++c) {
-    largest = std::max(largest, LargestRitzValue(lanczos.tridiagonal(c)));
+// lmax as the signals' spaces and that of the generic start vector know it.
+class LmaxEstimate {
+ public:
+  explicit LmaxEstimate(int num_signals) : num_signals_(num_signals) {}
+
+  double value() const { return value_; }
+
+  // Drops the generic column once it has settled, or when a signal sees as high.
+  void Update(LockstepLanczos& lanczos) {
+    double of_signals = 0;
+    for (int c = 0; c < num_signals_; ++c) {
+      of_signals = std::max(of_signals, LargestRitzValue(lanczos.tridiagonal(c)));
+    }
+    const double before = generic_;
+    generic_ = LargestRitzValue(lanczos.tridiagonal(num_signals_));
+    value_ = std::max(of_signals, generic_);
+    const bool settled = before > 0 && generic_ - before <= 1e-7 * generic_;
+    if ((settled || of_signals >= generic_) && lanczos.num_columns() > num_signals_) {
+      lanczos.DropLastColumn();
+    }
   }
-  return largest;
-}
+
+ private:
+  const int num_signals_;
+  double generic_ = 0, value_ = 0;
+};
 
 // |f| V_m g_s(T_m) e_1 of every signal.
 std::vector<Eigen::MatrixXd> Coefficients(const LockstepLanczos& lanczos,
@@ -103,6 +122,7 @@ absl::StatusOr<FilterResult> KrylovFilter(const SparseMatrix& laplacian,
   const int num_signals = static_cast<int>(signals.cols());
   LockstepLanczos lanczos(laplacian, StartVectors(signals));
   KrylovBases bases(num_signals);
+  LmaxEstimate lmax(num_signals);
   FilterConvergence convergence(tolerance);
   FilterResult result;
   int next_check = 50;
@@ -113,7 +133,8 @@ absl::StatusOr<FilterResult> KrylovFilter(const SparseMatrix& laplacian,
     const bool exhausted = lanczos.AllExhausted();
     if (result.order < next_check && !exhausted) continue;
     ASSIGN_OR_RETURN(const Eigensystems systems, Decompose(lanczos, num_signals));
-    result.lmax = LargestRitzValueOfAll(lanczos, num_signals + 1);
+    lmax.Update(lanczos);
+    result.lmax = lmax.value();
     const MeyerFilterBank bank(result.lmax, num_scales);
     result.coefficients = Coefficients(lanczos, systems, bases, num_signals, bank);
     if (exhausted) return result;  // the spaces are invariant: nothing is missing

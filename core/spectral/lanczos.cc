@@ -10,26 +10,28 @@
 namespace overtone {
 namespace {
 
-// Symmetric: a stored column is a row, so each output is one dot product held in registers. Two
-// sums, since the latency of an addition is longer than the rest of the loop.
+// Symmetric: a stored column is a row, so each output is one dot product held in registers. Narrow
+// ones as four sums, since the latency of an addition is longer than the rest of the loop.
 template <int kColumns>
 void MultiplyRows(const SparseMatrix& symmetric, const double* vectors, double* product) {
-  using Row = Eigen::Map<const Eigen::Matrix<double, 1, kColumns>>;
+  constexpr int kSums = kColumns <= 2 ? 4 : 2;
+  using Row = Eigen::Matrix<double, 1, kColumns>;
   const int* outer = symmetric.outerIndexPtr();
   const int* inner = symmetric.innerIndexPtr();
   const double* values = symmetric.valuePtr();
-  const auto entry = [&](int k) { return Row(vectors + int64_t{inner[k]} * kColumns); };
+  const auto term = [&](int k) {
+    return values[k] * Eigen::Map<const Row>(vectors + int64_t{inner[k]} * kColumns);
+  };
   for (Eigen::Index row = 0; row < symmetric.cols(); ++row) {
-    Eigen::Matrix<double, 1, kColumns> even, odd;
-    even.setZero();
-    odd.setZero();
+    Row sums[kSums];
+    for (Row& sum : sums) sum.setZero();
     int k = outer[row];
-    for (; k + 1 < outer[row + 1]; k += 2) {
-      even += values[k] * entry(k);
-      odd += values[k + 1] * entry(k + 1);
+    for (; k + kSums <= outer[row + 1]; k += kSums) {
+      for (int i = 0; i < kSums; ++i) sums[i] += term(k + i);
     }
-    if (k < outer[row + 1]) even += values[k] * entry(k);
-    Eigen::Map<Eigen::Matrix<double, 1, kColumns>>(product + row * kColumns) = even + odd;
+    for (; k < outer[row + 1]; ++k) sums[0] += term(k);
+    for (int i = 1; i < kSums; ++i) sums[0] += sums[i];
+    Eigen::Map<Row>(product + row * kColumns) = sums[0];
   }
 }
 
@@ -64,13 +66,20 @@ LockstepLanczos::LockstepLanczos(const SparseMatrix& laplacian, const Eigen::Mat
 }
 
 bool LockstepLanczos::AllExhausted() const {
-  return std::all_of(tridiagonals_.begin(), tridiagonals_.end(),
+  return std::all_of(tridiagonals_.begin(), tridiagonals_.begin() + num_columns(),
                      [](const LanczosTridiagonal& t) { return t.exhausted; });
+}
+
+void LockstepLanczos::DropLastColumn() {
+  const int kept = num_columns() - 1;
+  for (RowMajorMatrix* matrix : {&previous_, &vectors_, &product_}) {
+    matrix->conservativeResize(Eigen::NoChange, kept);
+  }
 }
 
 void LockstepLanczos::Step() {
   MultiplySymmetric(laplacian_, vectors_, product_);
-  for (int c = 0; c < static_cast<int>(tridiagonals_.size()); ++c) {
+  for (int c = 0; c < num_columns(); ++c) {
     LanczosTridiagonal& t = tridiagonals_[c];
     if (t.exhausted) continue;
     const double alpha = vectors_.col(c).dot(product_.col(c));

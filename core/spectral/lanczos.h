@@ -41,7 +41,11 @@ class LockstepLanczos {
   // n x c: v_{m+1} of every column, unit length, or 0 when exhausted.
   const RowMajorMatrix& vectors() const { return vectors_; }
   const LanczosTridiagonal& tridiagonal(int column) const { return tridiagonals_[column]; }
+  int num_columns() const { return static_cast<int>(vectors_.cols()); }  // still stepping
   bool AllExhausted() const;
+
+  // Steps without it from now on; its tridiagonal stays.
+  void DropLastColumn();
 
   // m -> m + 1.
   void Step();
