@@ -100,14 +100,16 @@ void LockstepLanczos::Step() {
   vectors_.swap(product_);
 }
 
-Eigen::VectorXd GenericStartVector(int size) {
-  Eigen::VectorXd start(size);
+Eigen::VectorXd LmaxStartVector(const SparseMatrix& laplacian) {
+  Eigen::VectorXd start(laplacian.rows());
   uint64_t state = 1;
   for (double& entry : start) {
     state = state * 6364136223846793005u + 1442695040888963407u;  // Knuth's MMIX generator
     entry = std::ldexp(static_cast<double>(state >> 11), -53) - 0.5;
   }
-  return start;
+  if (laplacian.nonZeros() == 0) return start;
+  const Eigen::ArrayXd degree = laplacian.diagonal();
+  return start.array() * (0.01 + (degree / degree.maxCoeff()).pow(64));
 }
 
 double LargestRitzValue(const LanczosTridiagonal& tridiagonal) {
@@ -118,7 +120,7 @@ double LargestRitzValue(const LanczosTridiagonal& tridiagonal) {
 double LargestEigenvalue(const SparseMatrix& laplacian) {
   const int n = static_cast<int>(laplacian.rows());
   if (n == 0) return 0;
-  LockstepLanczos lanczos(laplacian, GenericStartVector(n));
+  LockstepLanczos lanczos(laplacian, LmaxStartVector(laplacian));
   double before = 0;
   for (int step = 1, next_look = 20; step <= kMaxSteps && !lanczos.AllExhausted(); ++step) {
     lanczos.Step();
