@@ -111,6 +111,7 @@ double LargestTridiagonalEigenvalue(const std::vector<double>& diagonal,
   double low = *std::max_element(diagonal.begin(), diagonal.end()), high = 3 * norm;  // Gershgorin
   while (high - low > 1e-14 * norm) {
     const double middle = low + (high - low) / 2;
+    if (!(low < middle && middle < high)) break;  // denormal or infinite entries
     (all_below(middle) ? high : low) = middle;
   }
   return low;
