@@ -168,9 +168,9 @@ absl::Status ChildProcess::CheckAlive(absl::Duration wait) {
 
 absl::Status ChildProcess::Terminate(absl::Duration grace) {
   if (!Reap(absl::ZeroDuration())) {
-    kill(pid_, SIGTERM);
+    kill(-pid_, SIGTERM);  // the whole process group: what it started goes with it
     if (!Reap(grace)) {
-      kill(pid_, SIGKILL);
+      kill(-pid_, SIGKILL);
       Reap(absl::InfiniteDuration());
     }
   }

@@ -51,7 +51,8 @@ void AddClientFlags(CLI::App* app, ClientFlags* flags) {
       ->capture_default_str()
       ->group(group);
   app->add_option("--min-discrepancy", flags->min_discrepancy,
-                  "Floor of top_n, threshold of threshold; units of the signal")
+                  "Floor of top_n, threshold of threshold; units of the signal: about metres, with "
+                  "so3 radians (there 0.005 does)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->group(group);
