@@ -5,6 +5,7 @@
 #define OVERTONE_CORE_SYNCHRONIZATION_SYNCHRONIZATION_OPTIONS_H_
 
 #include <cstdint>
+#include <limits>
 
 #include "absl/status/status.h"
 #include "overtone/core/spectral/edge_weights.h"
@@ -46,10 +47,12 @@ struct ConstraintOptions {
   int mid_hops = 10;  // mid band: to nodes i - hops and i + hops
   // Large band: to the pivots (middle nodes) of other submaps. All distances are taken from the
   // pivot of the node's own submap, on the server's poses:
-  double large_min_distance_m = 5;   // no nearer than this, ...
-  double large_min_path_m = 20;      // ... at least so far along the path (arc length) ...
-  double large_max_distance_m = 50;  // ... and no further than this;
-  int large_neighbors = 3;           // of those the k nearest
+  double large_min_distance_m = 5;  // no nearer than this, ...
+  double large_min_path_m = 20;     // ... at least so far along the path (arc length) ...
+  // ... and no further than this (unbounded: submaps of a car lie hundreds of metres apart; the
+  // prototype's configurations have 50 to 75 m for drones indoors);
+  double large_max_distance_m = std::numeric_limits<double>::infinity();
+  int large_neighbors = 3;  // of those the k nearest
   // Standard deviations of a constraint, for hosts to weigh it against their odometry.
   double sigma_translation_m = 0.03;
   double sigma_rotation_rad = 0.01;
