@@ -6,7 +6,7 @@ set -eu
 cd "$(dirname "$0")/.."
 tools=build/tools
 buf=$tools/node_modules/.bin/buf
-[ -x "$buf" ] || npm install --silent --no-audit --no-fund --prefix "$tools" @bufbuild/buf@1.75.0
+[ -x "$buf" ] || npm install --loglevel=error --no-audit --no-fund --prefix "$tools" @bufbuild/buf@1.75.0
 
 "$buf" lint
 base=$(git describe --tags --abbrev=0 --match 'v*' 2>/dev/null || git rev-parse --verify --quiet HEAD~1 || true)
