@@ -85,6 +85,15 @@ TEST(SelectConstraints, LargeConstraintsReachTheNearestPivotsWithinBounds) {
               ElementsAre("large:210-100", "large:210-340"));
 }
 
+// A car's submaps of 20 s lie hundreds of metres apart.
+TEST(SelectConstraints, LargeConstraintsReachSubmapsHundredsOfMetresAwayByDefault) {
+  TrajectoryComparison comparison = StraightRun(12);  // pivots 2, 6, 10: 400 m apart
+  for (Rigid3d& pose : comparison.server) pose.translation *= 100;
+  comparison.discrepancy(5, static_cast<int>(Band::kLarge)) = 1;  // own pivot 6
+  EXPECT_THAT(Ids(SelectConstraints(comparison, SynchronizationOptions())),
+              ElementsAre("large:50-20", "large:50-100"));
+}
+
 TEST(SelectConstraints, DegenerateStretchesAreBridgedStepByStep) {
   TrajectoryComparison comparison = StraightRun(12);
   comparison.degenerate[0] = comparison.degenerate[5] = comparison.degenerate[6] = true;
