@@ -10,6 +10,7 @@
 #include "overtone/core/estimation/connected_components.h"
 #include "overtone/core/estimation/graduated_non_convexity.h"
 #include "overtone/core/estimation/pose_graph_problem.h"
+#include "overtone/core/estimation/serial_openmp.h"
 #include "overtone/core/estimation/spanning_tree_initialisation.h"
 
 namespace overtone {
@@ -39,9 +40,10 @@ absl::Status CheckPose(const Rigid3d& pose) {
   return absl::OkStatus();
 }
 
-absl::Status Prefix(const absl::Status& status, absl::string_view where) {
+template <typename... Where>
+absl::Status Prefix(const absl::Status& status, const Where&... where) {
   if (status.ok()) return status;
-  return absl::Status(status.code(), absl::StrCat(where, ": ", status.message()));
+  return absl::Status(status.code(), absl::StrCat(where..., ": ", status.message()));
 }
 
 absl::Status CheckEdge(const PoseGraphEdge& edge, int num_poses) {
@@ -61,15 +63,14 @@ absl::Status CheckEdge(const PoseGraphEdge& edge, int num_poses) {
 // The checks of CheckPoseGraph; the factors come out of the last one.
 absl::StatusOr<std::vector<Matrix6d>> CheckAndFactorise(const PoseGraph& graph) {
   for (size_t i = 0; i < graph.poses.size(); ++i) {
-    RETURN_IF_ERROR(Prefix(CheckPose(graph.poses[i]), absl::StrCat("poses[", i, "]")));
+    RETURN_IF_ERROR(Prefix(CheckPose(graph.poses[i]), "poses[", i, "]"));
   }
   std::vector<Matrix6d> factors;
   factors.reserve(graph.edges.size());
   for (size_t k = 0; k < graph.edges.size(); ++k) {
-    const std::string name = absl::StrCat("edges[", k, "]");
-    RETURN_IF_ERROR(Prefix(CheckEdge(graph.edges[k], graph.poses.size()), name));
+    RETURN_IF_ERROR(Prefix(CheckEdge(graph.edges[k], graph.poses.size()), "edges[", k, "]"));
     const auto factor = SquareRootInformation(graph.edges[k].information);
-    RETURN_IF_ERROR(Prefix(factor.status(), name));
+    RETURN_IF_ERROR(Prefix(factor.status(), "edges[", k, "]"));
     factors.push_back(*factor);
   }
   return factors;
@@ -138,6 +139,7 @@ absl::Status CheckPoseGraph(const PoseGraph& graph) { return CheckAndFactorise(g
 absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph,
                                                   const PoseGraphOptimizerOptions& options) {
   const Clock::time_point begin = Clock::now();
+  const SerialOpenMp serial;
   RETURN_IF_ERROR(options.Validate());
   if (!options.initial_weights.empty() && options.initial_weights.size() != graph.edges.size()) {
     return absl::InvalidArgumentError("initial_weights must be one for each edge");
