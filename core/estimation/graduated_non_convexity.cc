@@ -6,11 +6,12 @@
 namespace overtone {
 namespace {
 
-// Solves between two weight updates need not be exact: the next ones go on from there.
-constexpr int kInnerIterations = 3;
-constexpr double kInnerFunctionTolerance = 1e-3;
+// Solves between two weight updates need not be exact: the next one goes on from there.
+constexpr int kInnerIterations = 1;
 // Enough for a set of closures that fits; one that does not is left to the schedule.
-constexpr int kProbeIterations = 8;
+constexpr int kProbeIterations = 5;
+// Truncation: with this mu only closures within 6 % of the limit have a weight between 0 and 1.
+constexpr double kSharpMu = 16;
 // Updates of the final 0/1 weights; more than a few mean that a closure sits on the limit and
 // flips.
 constexpr int kMaxSettlingSteps = 5;
@@ -46,13 +47,12 @@ class GncRun {
   void RunSchedule() {
     SolveLimits inner = limits_;
     inner.max_iterations = std::min(limits_.max_iterations, kInnerIterations);
-    inner.function_tolerance = kInnerFunctionTolerance;
     double mu = InitialControlParameter(options_.loss, LargestChiSquare(), options_.squared_limit);
     for (int step = 0; step < options_.max_steps; ++step) {
       SetWeights(SurrogateWeights(mu));
       Solve(inner);
       const double next_mu = NextControlParameter(options_.loss, mu, options_.factor);
-      if (next_mu == mu || (step > 0 && WeightsAreBinary())) break;
+      if (next_mu == mu || IsSharp(mu) || (step > 0 && WeightsAreBinary())) break;
       mu = next_mu;
     }
     Settle();
@@ -60,13 +60,11 @@ class GncRun {
 
   // Ends on a stationary point of the loss itself.
   void Settle() {
-    Solve(limits_);
-    if (options_.loss == RobustLoss::kGemanMcClure) return;
+    if (options_.loss == RobustLoss::kGemanMcClure) return Solve(limits_);
     for (int step = 0; step < kMaxSettlingSteps; ++step) {
-      const std::vector<double> next = ThresholdWeights();
-      if (next == weights_) return;
-      SetWeights(next);
+      SetWeights(ThresholdWeights());
       Solve(limits_);
+      if (weights_ == ThresholdWeights()) return;
     }
   }
 
@@ -98,10 +96,18 @@ class GncRun {
     return weights;
   }
 
+  // Of the closures in use. Those that an earlier run left out may be far worse, and would make the
+  // schedule begin by loosening a map that is tight already.
   double LargestChiSquare() const {
     double largest = 0;
-    for (const int edge : closures_) largest = std::max(largest, problem_.ChiSquare(edge));
+    for (size_t k = 0; k < closures_.size(); ++k) {
+      if (weights_[k] > 0) largest = std::max(largest, problem_.ChiSquare(closures_[k]));
+    }
     return largest;
+  }
+
+  bool IsSharp(double mu) const {
+    return options_.loss == RobustLoss::kTruncatedLeastSquares && mu >= kSharpMu;
   }
 
   bool WeightsAreBinary() const {

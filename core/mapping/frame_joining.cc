@@ -28,7 +28,7 @@ FrameAlignment AlignFrames(const std::vector<FrameTie>& ties, double chi_square_
     const FrameTie& tie = ties[k];
     const Rigid3d proposal = tie.older_from_i * tie.i_from_j * tie.younger_from_j.Inverse();
     const double agreement = Agreement(ties, proposal, chi_square_limit);
-    if (agreement > best.agreement) best = {proposal, agreement};
+    if (agreement > best.agreement) best = {proposal, agreement, static_cast<int>(k)};
   }
   return best;
 }

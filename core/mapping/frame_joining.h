@@ -20,6 +20,7 @@ struct FrameTie {
 struct FrameAlignment {
   Rigid3d older_from_younger;
   double agreement = 0;  // from 1 to the number of ties
+  int tie = -1;          // the one that proposed it
 };
 
 // Every tie proposes an alignment (of many, an even sample); the one that the others agree with

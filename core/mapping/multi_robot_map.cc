@@ -158,7 +158,7 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
     return state.Freeze(PoseGraphResult());
   }
   if (state.DemotesBetweenMissions(*result, edge_of_closure)) {
-    state.ReconsiderAlignments(graph, *result);
+    state.ReconsiderAlignments(graph, edge_of_closure, *result);
   }
   state.TakeResult(*result, edge_of_closure);
   state.SplitFrames();

@@ -24,38 +24,47 @@ FrameTie MultiRobotMap::State::TieOf(const LoopClosure& closure) const {
 
 // Of all pairs of frames that closures in use tie, joins the one with the best agreement. Closures
 // demoted earlier have a say too, but do not join frames by themselves.
-bool MultiRobotMap::State::JoinBestTiedFrames(Joining joining) {
+int MultiRobotMap::State::JoinBestTiedFrames(Joining joining) {
   struct Ties {
     std::vector<FrameTie> all;
+    std::vector<int> closures;
     bool may_join = false;
   };
   std::map<std::pair<int, int>, Ties> ties_of_frames;
-  for (const SnapshotClosure& entry : closures) {
+  for (size_t k = 0; k < closures.size(); ++k) {
+    const SnapshotClosure& entry = closures[k];
     if (entry.verdict == ClosureVerdict::kPending) continue;
     const auto frames = std::minmax({FrameOf(entry.closure.from), FrameOf(entry.closure.to)});
     if (frames.first == frames.second) continue;
     Ties& ties = ties_of_frames[frames];
     ties.all.push_back(TieOf(entry.closure));
+    ties.closures.push_back(static_cast<int>(k));
     ties.may_join |= joining == Joining::kAll || entry.verdict == ClosureVerdict::kAccepted;
   }
   FrameAlignment best;
   std::pair<int, int> best_frames;
+  int best_closure = -1;
   for (const auto& [frames, ties] : ties_of_frames) {
     if (!ties.may_join) continue;
     const FrameAlignment alignment = AlignFrames(ties.all, options.closure_chi_square_limit);
     if (alignment.agreement > best.agreement) {
       best = alignment;
       best_frames = frames;
+      best_closure = ties.closures[alignment.tie];
     }
   }
-  if (best.agreement == 0) return false;
-  MoveFrame(best_frames.second, best.older_from_younger, best_frames.first);
-  return true;
+  if (best_closure >= 0) {
+    MoveFrame(best_frames.second, best.older_from_younger, best_frames.first);
+  }
+  return best_closure;
 }
 
-void MultiRobotMap::State::JoinFrames(Joining joining) {
-  while (JoinBestTiedFrames(joining)) {
+std::vector<int> MultiRobotMap::State::JoinFrames(Joining joining) {
+  std::vector<int> aligning;
+  for (int k = JoinBestTiedFrames(joining); k >= 0; k = JoinBestTiedFrames(joining)) {
+    aligning.push_back(k);
   }
+  return aligning;
 }
 
 void MultiRobotMap::State::MoveFrame(int frame, const Rigid3d& new_from_old, int new_frame) {

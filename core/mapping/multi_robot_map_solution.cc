@@ -112,11 +112,21 @@ double MultiRobotMap::State::TruncatedCost(const PoseGraph& graph,
 // A wrong closure that came first decided how two missions were aligned, and every right one since
 // has to prove itself against that. So when closures between missions contradict each other, the
 // missions, each as it is now, are also aligned afresh by the votes of all closures; whichever
-// start ends at the lower cost wins.
-void MultiRobotMap::State::ReconsiderAlignments(PoseGraph graph, PoseGraphResult& result) {
+// start ends at the lower cost wins. Where the result already uses the closures that win the votes,
+// it would only be found again.
+void MultiRobotMap::State::ReconsiderAlignments(PoseGraph graph,
+                                                const std::vector<int>& edge_of_closure,
+                                                PoseGraphResult& result) {
   const std::vector<SnapshotMission> current = missions;
   for (int m = 0; m < static_cast<int>(missions.size()); ++m) missions[m].component = m;
-  JoinFrames(Joining::kAll);
+  const std::vector<int> aligning = JoinFrames(Joining::kAll);
+  const bool in_use = std::all_of(aligning.begin(), aligning.end(), [&](int k) {
+    return result.weights[edge_of_closure[k]] >= kDemotedBelowWeight;
+  });
+  if (in_use) {
+    missions = current;
+    return;
+  }
   graph.poses.clear();
   for (const SnapshotMission& mission : missions) {
     graph.poses.insert(graph.poses.end(), mission.map_from_body.begin(),

@@ -38,8 +38,10 @@ struct MultiRobotMap::State {
   void ActivateClosures();
   // Whose ties may join frames: those of closures in use, or all that are not pending.
   enum class Joining { kInUse, kAll };
-  void JoinFrames(Joining joining);
-  bool JoinBestTiedFrames(Joining joining);
+  // The closures whose measurements aligned the frames.
+  std::vector<int> JoinFrames(Joining joining);
+  // -1: no more frames to join.
+  int JoinBestTiedFrames(Joining joining);
   FrameTie TieOf(const LoopClosure& closure) const;
   void MoveFrame(int frame, const Rigid3d& new_from_old, int new_frame);
 
@@ -50,7 +52,8 @@ struct MultiRobotMap::State {
                                             const std::vector<int>& edge_of_closure) const;
   bool DemotesBetweenMissions(const PoseGraphResult& result,
                               const std::vector<int>& edge_of_closure) const;
-  void ReconsiderAlignments(PoseGraph graph, PoseGraphResult& result);
+  void ReconsiderAlignments(PoseGraph graph, const std::vector<int>& edge_of_closure,
+                            PoseGraphResult& result);
   double TruncatedCost(const PoseGraph& graph, const PoseGraphResult& result) const;
   void TakeResult(const PoseGraphResult& result, const std::vector<int>& edge_of_closure);
   void SplitFrames();
