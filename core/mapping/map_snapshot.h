@@ -9,32 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "absl/strings/string_view.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/graph/submap.h"
+#include "overtone/core/mapping/loop_closure.h"
 
 namespace overtone {
-
-enum class ClosureVerdict {
-  kPending,             // an end is not in the map yet
-  kAccepted,            // used, at full or nearly full weight
-  kDemotedByOptimiser,  // contradicts the rest of the map; its weight went to zero
-};
-
-absl::string_view ToString(
-    ClosureVerdict verdict);  // "pending", "accepted", "demoted_by_optimiser"
-
-struct SnapshotClosure {
-  LoopClosure closure;
-  ClosureVerdict verdict = ClosureVerdict::kPending;
-  double weight = 0;      // [0, 1], of the robust optimisation
-  double chi_square = 0;  // r^T Omega r after it, 6 degrees of freedom
-};
 
 struct SnapshotMission {
   MissionId id;
   bool anchored = false;
-  int component = 0;  // 0 is the root component, the one of the map's first mission
+  // 0 is the root component: the one with absolute poses, and where there are none, the one of the
+  // map's first mission.
+  int component = 0;
   Rigid3d
       map_from_mission;  // best rigid alignment of the odometry frame: that of the last keyframe
   std::vector<Keyframe> keyframes;     // as uploaded
@@ -42,12 +28,22 @@ struct SnapshotMission {
   std::vector<int64_t> submap_starts;  // first keyframe index of each submap, increasing
 };
 
+struct SnapshotLandmark {
+  std::string id;
+  int component = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // in the frame of its component
+  int sightings = 0;                                   // in use
+};
+
 struct MapSnapshot {
   uint64_t revision = 0;
   uint64_t map_epoch = 0;
   std::vector<SnapshotMission> missions;  // sorted by id
-  std::vector<SnapshotClosure> closures;  // in the order received
-  double initial_cost = 0;                // 1/2 sum of squared whitened residuals
+  std::vector<ClosureRecord> closures;    // every candidate, in the order received
+  std::vector<SnapshotLandmark> landmarks;
+  int sightings = 0;          // of landmarks, robots and absolute poses, that are in use
+  int sightings_demoted = 0;  // that contradict the map
+  double initial_cost = 0;    // 1/2 sum of squared whitened residuals
   double final_cost = 0;
   bool converged = true;
   double optimisation_s = 0;

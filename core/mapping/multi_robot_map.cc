@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/mapping/multi_robot_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -8,23 +9,37 @@
 
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
-#include "overtone/core/estimation/pose_graph_optimizer.h"
 #include "overtone/core/mapping/multi_robot_map_state.h"
 #include "overtone/core/mapping/submap_check.h"
 
 namespace overtone {
 namespace {
 
-bool SameMeasurement(const LoopClosure& a, const LoopClosure& b) {
-  return a.from_tform_to.rotation.coeffs() == b.from_tform_to.rotation.coeffs() &&
+bool SameMeasurement(const LoopCandidate& a, const LoopCandidate& b) {
+  return a.proposer == b.proposer &&
+         a.from_tform_to.rotation.coeffs() == b.from_tform_to.rotation.coeffs() &&
          a.from_tform_to.translation == b.from_tform_to.translation && a.covariance == b.covariance;
+}
+
+absl::Status CheckPositive(absl::string_view name, double value) {
+  if (value > 0 && std::isfinite(value)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(name, " must be positive and finite"));
 }
 
 }  // namespace
 
 absl::Status MultiRobotMapOptions::Validate() const {
-  if (!(closure_chi_square_limit > 0) || !std::isfinite(closure_chi_square_limit)) {
-    return absl::InvalidArgumentError("closure_chi_square_limit must be positive and finite");
+  RETURN_IF_ERROR(CheckPositive("closure_chi_square_limit", closure_chi_square_limit));
+  RETURN_IF_ERROR(CheckPositive("sighting_chi_square_limit", sighting_chi_square_limit));
+  RETURN_IF_ERROR(CheckPositive("consistency_chi_square_limit", consistency_chi_square_limit));
+  RETURN_IF_ERROR(CheckPositive("point_alignment_tolerance_m", point_alignment_tolerance_m));
+  RETURN_IF_ERROR(CheckPositive("degenerate_motion_share", degenerate_motion_share));
+  RETURN_IF_ERROR(CheckPositive("scored_position_sigma_m", scored_position_sigma_m));
+  if (!(min_candidate_score >= 0 && min_candidate_score <= 1)) {
+    return absl::InvalidArgumentError("min_candidate_score must be in [0, 1]");
+  }
+  if (min_consistent_closures < 1) {
+    return absl::InvalidArgumentError("min_consistent_closures must be at least 1");
   }
   if (max_iterations < 1) return absl::InvalidArgumentError("max_iterations must be at least 1");
   if (num_threads < 1) return absl::InvalidArgumentError("num_threads must be at least 1");
@@ -32,7 +47,8 @@ absl::Status MultiRobotMapOptions::Validate() const {
 }
 
 // New keyframes follow from the mission's last optimised pose by odometry.
-void MultiRobotMap::State::AppendKeyframes(const Submap& submap, SnapshotMission& mission) {
+void MultiRobotMap::State::AppendKeyframes(const Submap& submap, int position) {
+  SnapshotMission& mission = missions[position];
   mission.submap_starts.push_back(submap.first_index);
   for (const Keyframe& keyframe : submap.keyframes) {
     Rigid3d map_from_mission;
@@ -42,17 +58,70 @@ void MultiRobotMap::State::AppendKeyframes(const Submap& submap, SnapshotMission
     }
     mission.map_from_body.push_back(map_from_mission * keyframe.mission_from_body);
     mission.keyframes.push_back(keyframe);
+    odometry[position].Append(
+        keyframe.mission_from_body,
+        MotionCovariance(mission, static_cast<int64_t>(mission.keyframes.size()) - 1));
   }
 }
 
-void MultiRobotMap::State::InsertClosure(const LoopClosure& closure) {
-  std::vector<int>& same_ends = closures_of_ends[{closure.from, closure.to}];
-  for (const int k : same_ends) {
-    if (SameMeasurement(closures[k].closure, closure)) return;
+void MultiRobotMap::State::AppendMeasurements(const MissionId& mission, const Submap& submap) {
+  for (const LoopClosure& closure : submap.loop_closures) InsertCandidate(CandidateOf(closure));
+  for (const LandmarkSighting& sighting : submap.landmark_sightings) {
+    SightingRecord& record = sightings.emplace_back();
+    record.observer = {mission, sighting.index};
+    record.landmark = sighting.landmark;
+    record.point_in_body = sighting.point_in_body;
+    record.covariance = sighting.covariance;
   }
-  same_ends.push_back(static_cast<int>(closures.size()));
-  closures.emplace_back().closure = closure;
+  for (const RobotSighting& sighting : submap.robot_sightings) {
+    SightingRecord& record = sightings.emplace_back();
+    record.observer = {mission, sighting.index};
+    record.robot = sighting.robot;
+    record.point_in_body = sighting.point_in_body;
+    record.covariance = sighting.covariance;
+  }
+  for (const AbsolutePose& absolute : submap.absolute_poses) {
+    absolutes.push_back({{mission, absolute.index}, absolute.map_from_body, absolute.covariance});
+  }
+}
+
+void MultiRobotMap::State::InsertCandidate(const LoopCandidate& candidate) {
+  std::vector<int>& same_ends = closures_of_ends[{candidate.from, candidate.to}];
+  for (const int k : same_ends) {
+    if (SameMeasurement(closures[k].candidate, candidate)) return;
+  }
+  const int position = static_cast<int>(closures.size());
+  ClosureRecord& record = closures.emplace_back();
+  record.id = absl::StrCat(ToString(candidate.from), ">", ToString(candidate.to), "#",
+                           same_ends.size());
+  record.candidate = candidate;
+  record.verdict = JudgeFigures(candidate);
+  record.since_revision = revision + 1;
+  same_ends.push_back(position);
+  closure_of_id[record.id] = position;
+  decisions.push_back(Decision::kNone);
+  consistency_row.push_back(-1);
   dirty = true;
+}
+
+// The odometry's own, and where the robot flags the motion degenerate as much more as it may be
+// wrong: along the direction it names, or in all.
+Matrix6d MultiRobotMap::State::MotionCovariance(const SnapshotMission& mission,
+                                                int64_t index) const {
+  const Keyframe& keyframe = mission.keyframes[index];
+  Matrix6d covariance = keyframe.motion_covariance;
+  if (!keyframe.degenerate || index == 0) return covariance;
+  const double length = (keyframe.mission_from_body.translation -
+                         mission.keyframes[index - 1].mission_from_body.translation)
+                            .norm();
+  const double variance = std::pow(options.degenerate_motion_share * length, 2);
+  const Eigen::Vector3d& direction = keyframe.degenerate_direction;
+  if (direction.isZero()) {
+    covariance.topLeftCorner<3, 3>().diagonal().array() += variance;
+  } else {
+    covariance.topLeftCorner<3, 3>() += variance * direction * direction.transpose();
+  }
+  return covariance;
 }
 
 const Rigid3d* MultiRobotMap::State::PoseOf(const NodeId& node) const {
@@ -62,26 +131,28 @@ const Rigid3d* MultiRobotMap::State::PoseOf(const NodeId& node) const {
   return node.index < static_cast<int64_t>(poses.size()) ? &poses[node.index] : nullptr;
 }
 
-// Pending closures whose ends have both arrived come into use.
-void MultiRobotMap::State::ActivateClosures() {
-  for (SnapshotClosure& entry : closures) {
-    if (entry.verdict != ClosureVerdict::kPending) continue;
-    if (PoseOf(entry.closure.from) == nullptr || PoseOf(entry.closure.to) == nullptr) continue;
-    entry.verdict = ClosureVerdict::kAccepted;
-    entry.weight = 1;
+bool MultiRobotMap::State::InPlay(int closure) const {
+  switch (closures[closure].verdict) {
+    case ClosureVerdict::kAccepted:
+    case ClosureVerdict::kForcedByOperator:
+    case ClosureVerdict::kDemotedByOptimiser:
+    case ClosureVerdict::kQuarantined:
+      return true;
+    default:
+      return false;
   }
 }
 
 std::shared_ptr<const MapSnapshot> MultiRobotMap::State::Freeze(const PoseGraphResult& result) {
   auto snapshot = std::make_shared<MapSnapshot>();
-  snapshot->revision = ++revision;
+  snapshot->revision = revision;
   snapshot->map_epoch = map_epoch;
   snapshot->closures = closures;
   snapshot->initial_cost = result.initial_cost;
   snapshot->final_cost = result.final_cost;
   snapshot->converged = result.converged;
   snapshot->optimisation_s = result.seconds;
-  std::map<int, int> number_of_frame;  // oldest mission -> 0, 1, ...
+  std::map<int, int> number_of_frame;  // world, then oldest mission -> 0, 1, ...
   for (const SnapshotMission& mission : missions) number_of_frame[mission.component];
   int next = 0;
   for (auto& [frame, number] : number_of_frame) number = next++;
@@ -92,6 +163,22 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::State::Freeze(const PoseGraphR
     mission.map_from_mission =
         mission.map_from_body.back() * mission.keyframes.back().mission_from_body.Inverse();
   }
+  std::map<std::pair<int, std::string>, int> sightings_of;
+  for (const SightingRecord& sighting : sightings) {
+    if (sighting.pending) continue;
+    ++(sighting.weight > 0 ? snapshot->sightings : snapshot->sightings_demoted);
+    if (sighting.weight > 0 && !sighting.landmark.empty()) {
+      ++sightings_of[{FrameOf(sighting.observer), sighting.landmark}];
+    }
+  }
+  for (const AbsoluteRecord& absolute : absolutes) {
+    ++(absolute.weight > 0 ? snapshot->sightings : snapshot->sightings_demoted);
+  }
+  for (const auto& [frame_and_id, position] : landmarks) {
+    snapshot->landmarks.push_back({frame_and_id.second, number_of_frame[frame_and_id.first],
+                                   position, sightings_of[frame_and_id]});
+  }
+  history.Add(snapshot);
   return snapshot;
 }
 
@@ -129,38 +216,54 @@ absl::Status MultiRobotMap::AddSubmap(const MissionId& id, const Submap& submap)
     SnapshotMission& fresh = state_->missions.emplace_back();
     fresh.id = id;
     fresh.component = position;
+    state_->odometry.emplace_back();
   }
-  state_->AppendKeyframes(submap, state_->missions[position]);
-  for (const LoopClosure& closure : submap.loop_closures) state_->InsertClosure(closure);
+  state_->AppendKeyframes(submap, position);
+  state_->AppendMeasurements(id, submap);
   state_->dirty = true;
   return absl::OkStatus();
 }
 
 absl::Status MultiRobotMap::AddLoopClosure(const LoopClosure& closure) {
-  RETURN_IF_ERROR(CheckLoopClosure(closure));
-  state_->InsertClosure(closure);
+  return AddCandidate(CandidateOf(closure));
+}
+
+absl::Status MultiRobotMap::AddCandidate(const LoopCandidate& candidate) {
+  RETURN_IF_ERROR(CheckLoopClosure(
+      {candidate.from, candidate.to, candidate.from_tform_to, candidate.covariance}));
+  state_->InsertCandidate(candidate);
   return absl::OkStatus();
+}
+
+absl::Status MultiRobotMap::AddScoredCandidate(const ScoredCandidate& candidate) {
+  return AddCandidate(WeakCandidateOf(candidate, state_->options.min_candidate_score,
+                                      state_->options.scored_position_sigma_m));
 }
 
 bool MultiRobotMap::dirty() const { return state_->dirty; }
 
+const RevisionHistory& MultiRobotMap::history() const { return state_->history; }
+
 std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
   State& state = *state_;
   state.dirty = false;
+  ++state.revision;
   state.ActivateClosures();
+  state.ActivateSightings();
+  state.JudgeConsistency();
   state.JoinFrames(State::Joining::kInUse);
-  std::vector<int> edge_of_closure;
-  const PoseGraph graph = state.BuildPoseGraph(&edge_of_closure);
-  auto result = state.SolveWarm(graph, edge_of_closure);
+  state.Quarantine();
+  const MapProblem problem = state.BuildProblem();
+  auto result = state.Solve(problem, /*warm=*/true);
   if (!result.ok()) {
-    // Cannot happen with what AddSubmap and AddLoopClosure let in; if it does, the old estimate
+    // Cannot happen with what AddSubmap and AddCandidate let in; if it does, the old estimate
     // stands.
     return state.Freeze(PoseGraphResult());
   }
-  if (state.DemotesBetweenMissions(*result, edge_of_closure)) {
-    state.ReconsiderAlignments(graph, edge_of_closure, *result);
+  if (state.DemotesBetweenMissions(*result, problem)) {
+    state.ReconsiderAlignments(problem, *result);
   }
-  state.TakeResult(*result, edge_of_closure);
+  state.TakeResult(*result, problem);
   state.SplitFrames();
   return state.Freeze(*result);
 }

@@ -1,29 +1,50 @@
 // SPDX-License-Identifier: Apache-2.0
-// The collaborative map: missions of odometry, tied into components by loop closures, optimised
-// together.
+// The collaborative map: missions of odometry, tied into components by loop closures, common
+// landmarks, sightings of each other and absolute poses, optimised together.
 //
 // Design: one gauge per component (the first keyframe of its oldest mission stays where its
-// odometry put it); the component of the map's oldest mission is the root and defines the map
-// frame; a mission that no closure in use ties to the root stays UNANCHORED in its own component's
-// frame. Odometry is trusted; closures have to prove themselves.
+// odometry put it). The root component defines the map frame: where there are absolute poses it is
+// what they tie down, else the component of the map's oldest mission. A mission that nothing in use
+// ties to the root stays UNANCHORED in its own component's frame. Odometry is trusted, and less
+// where the robot says so; everything else has to prove itself (loop_closure.h).
 #ifndef OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_H_
 #define OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_H_
 
+#include <cstdint>
 #include <memory>
+#include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/mapping/map_snapshot.h"
+#include "overtone/core/mapping/revision_history.h"
 
 namespace overtone {
 
 struct MultiRobotMapOptions {
-  // How closures are kept from spoiling the map.
+  // How closures and sightings are kept from spoiling the map.
   enum class Robust { kNone, kHuber, kGnc };
   Robust robust = Robust::kGnc;
   // A closure whose weighted squared residual stays above this chi-square quantile is an outlier.
   // Default: 6 degrees of freedom, 99.9 %.
   double closure_chi_square_limit = 22.46;
+  // The same for sightings: 3 degrees of freedom, 99.9 %.
+  double sighting_chi_square_limit = 16.27;
+  // Between two missions, closures whose cycle with their odometry has a larger chi square disagree
+  // (6 degrees of freedom, 99.9 %). Pairwise consistency runs only with kGnc.
+  double consistency_chi_square_limit = 22.46;
+  // The first tie between two components is believed when so many closures agree.
+  int min_consistent_closures = 3;
+  // Two frames are aligned by common points (landmarks, robots that see each other) when these lie
+  // so near each other in the two; drift inside the frames must be smaller.
+  double point_alignment_tolerance_m = 0.5;
+  // A motion flagged degenerate: standard deviation along the named direction (or all), as a share
+  // of its length.
+  double degenerate_motion_share = 1;
+  // A scored pair without a relative pose: what it must score, and how near the two then are.
+  double min_candidate_score = 0.5;
+  double scored_position_sigma_m = 1;
   // Of one solve; GNC makes several.
   int max_iterations = 50;
   int num_threads = 1;
@@ -41,7 +62,8 @@ class MultiRobotMap {
   MultiRobotMap& operator=(MultiRobotMap&&) noexcept;
 
   // Appends a submap to its mission, starting the mission with sequence 0. The submap's own
-  // closures are added as by AddLoopClosure. OutOfRange when sequence or first_index does not
+  // closures are added as by AddLoopClosure; its clouds and scored candidates are left to who looks
+  // at clouds (AddCandidate, AddScoredCandidate). OutOfRange when sequence or first_index does not
   // follow the mission's last; InvalidArgument, naming the field, for empty submaps, stamps that do
   // not increase, poses that are not finite and covariances that are not positive definite. Then
   // nothing is changed.
@@ -52,8 +74,27 @@ class MultiRobotMap {
   // ends are the same keyframe, a negative index, values as in AddSubmap. Then nothing is changed.
   absl::Status AddLoopClosure(const LoopClosure& closure);
 
-  // True when something was added since the last Optimise.
+  // The same for a candidate that was looked at closer. One that fails on its figures is kept with
+  // its verdict, for those who ask.
+  absl::Status AddCandidate(const LoopCandidate& candidate);
+
+  // A pair that only looks alike, and that nobody can measure: used as a weak tie of positions.
+  absl::Status AddScoredCandidate(const ScoredCandidate& candidate);
+
+  // An operator's word on a candidate. NotFound: no such id. Force: FailedPrecondition when it has
+  // no relative pose.
+  absl::Status Veto(const std::string& id);
+  absl::Status Force(const std::string& id);
+
+  // Vetoes every closure in use that was not in use at `revision` of this epoch, lifts vetoes from
+  // those that were, and starts `new_epoch`. Gives the number of closures vetoed. NotFound: the
+  // revision is not kept.
+  absl::StatusOr<int64_t> RollBack(uint64_t revision, uint64_t new_epoch);
+
+  // True when something was added or decided since the last Optimise.
   bool dirty() const;
+
+  const RevisionHistory& history() const;
 
   // Optimises what is there and freezes it under the next revision number (the first is 1). One
   // sparse solve, warm-started from the previous result; with GNC some tens of short ones when a

@@ -4,15 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "Eigen/LU"
-#include "overtone/core/common/status_macros.h"
-#include "overtone/core/estimation/pose_graph_optimizer.h"
 #include "overtone/core/mapping/multi_robot_map_state.h"
 
 namespace overtone {
 namespace {
 
-// A closure below this weight no longer ties anything.
+// A measurement below this weight no longer ties anything.
 constexpr double kDemotedBelowWeight = 1e-3;
 constexpr double kFunctionTolerance = 1e-8;
 
@@ -30,81 +27,60 @@ RobustLoss LossOf(MultiRobotMapOptions::Robust robust) {
 
 }  // namespace
 
-// edge_of_closure: -1 for pending ones.
-PoseGraph MultiRobotMap::State::BuildPoseGraph(std::vector<int>* edge_of_closure) const {
-  PoseGraph graph;
-  std::vector<int> first_pose;  // of each mission
-  for (const SnapshotMission& mission : missions) {
-    const int first = static_cast<int>(graph.poses.size());
-    first_pose.push_back(first);
-    graph.poses.insert(graph.poses.end(), mission.map_from_body.begin(),
-                       mission.map_from_body.end());
-    for (int i = 1; i < static_cast<int>(mission.keyframes.size()); ++i) {
-      const Keyframe& keyframe = mission.keyframes[i];
-      graph.edges.push_back(
-          {first + i - 1, first + i,
-           mission.keyframes[i - 1].mission_from_body.Inverse() * keyframe.mission_from_body,
-           keyframe.motion_covariance.inverse(), EdgeKind::kOdometry});
-    }
-  }
-  const auto position = [&](const NodeId& node) {
-    return first_pose[position_of.at(node.mission)] + static_cast<int>(node.index);
-  };
-  edge_of_closure->assign(closures.size(), -1);
-  for (size_t k = 0; k < closures.size(); ++k) {
-    if (closures[k].verdict == ClosureVerdict::kPending) continue;
-    const LoopClosure& closure = closures[k].closure;
-    (*edge_of_closure)[k] = static_cast<int>(graph.edges.size());
-    graph.edges.push_back({position(closure.from), position(closure.to), closure.from_tform_to,
-                           closure.covariance.inverse(), EdgeKind::kLoopClosure});
-  }
-  return graph;
-}
-
-absl::StatusOr<PoseGraphResult> MultiRobotMap::State::Solve(
-    const PoseGraph& graph, const std::vector<double>& initial_weights) const {
+// Warm: from the verdicts of the previous revision; else everything is in use at first. From the
+// problem's poses in both cases.
+absl::StatusOr<PoseGraphResult> MultiRobotMap::State::Solve(const MapProblem& problem,
+                                                            bool warm) const {
   PoseGraphOptimizerOptions solver;
   solver.loss = LossOf(options.robust);
   solver.closure_chi_square_limit = options.closure_chi_square_limit;
-  solver.initial_weights = initial_weights;
+  solver.sighting_chi_square_limit = options.sighting_chi_square_limit;
   solver.max_iterations = options.max_iterations;
   solver.function_tolerance = kFunctionTolerance;
   solver.num_threads = options.num_threads;
-  return OptimizePoseGraph(graph, solver);
-}
-
-// From the poses and verdicts of the previous revision.
-absl::StatusOr<PoseGraphResult> MultiRobotMap::State::SolveWarm(
-    const PoseGraph& graph, const std::vector<int>& edge_of_closure) const {
-  std::vector<double> weights(graph.edges.size(), 1);
-  for (size_t k = 0; k < closures.size(); ++k) {
-    if (closures[k].verdict == ClosureVerdict::kDemotedByOptimiser) weights[edge_of_closure[k]] = 0;
+  if (warm) {
+    solver.initial_weights.assign(problem.graph.edges.size(), 1);
+    for (size_t k = 0; k < closures.size(); ++k) {
+      if (closures[k].verdict == ClosureVerdict::kDemotedByOptimiser) {
+        solver.initial_weights[problem.edge_of_closure[k]] = 0;
+      }
+    }
+    for (size_t k = 0; k < absolutes.size(); ++k) {
+      const int edge = problem.edge_of_absolute[k];
+      if (edge >= 0) solver.initial_weights[edge] = absolutes[k].weight > 0 ? 1 : 0;
+    }
+    solver.initial_sighting_weights.assign(problem.graph.sightings.size(), 1);
+    for (size_t k = 0; k < sightings.size(); ++k) {
+      const int row = problem.row_of_sighting[k];
+      if (row >= 0) solver.initial_sighting_weights[row] = sightings[k].weight > 0 ? 1 : 0;
+    }
   }
-  return Solve(graph, weights);
+  return OptimizePoseGraph(problem.graph, solver);
 }
 
 // True when a closure between missions that was in use up to now loses its weight.
 bool MultiRobotMap::State::DemotesBetweenMissions(const PoseGraphResult& result,
-                                                  const std::vector<int>& edge_of_closure) const {
+                                                  const MapProblem& problem) const {
   for (size_t k = 0; k < closures.size(); ++k) {
-    const SnapshotClosure& entry = closures[k];
-    if (entry.verdict == ClosureVerdict::kAccepted &&
-        result.weights[edge_of_closure[k]] < kDemotedBelowWeight &&
-        entry.closure.from.mission != entry.closure.to.mission) {
+    if (closures[k].verdict == ClosureVerdict::kAccepted && BetweenMissions(closures[k]) &&
+        result.weights[problem.edge_of_closure[k]] < kDemotedBelowWeight) {
       return true;
     }
   }
   return false;
 }
 
-// What truncated least squares minimises over poses and weights, doubled.
-double MultiRobotMap::State::TruncatedCost(const PoseGraph& graph,
+// What truncated least squares minimises over the estimate and the weights, doubled.
+double MultiRobotMap::State::TruncatedCost(const MapProblem& problem,
                                            const PoseGraphResult& result) const {
   double cost = 0;
-  for (size_t k = 0; k < graph.edges.size(); ++k) {
-    cost += graph.edges[k].kind == EdgeKind::kOdometry
+  for (size_t k = 0; k < problem.graph.edges.size(); ++k) {
+    cost += problem.graph.edges[k].kind == EdgeKind::kOdometry
                 ? result.chi_squares[k]
                 : std::min(result.chi_squares[k], options.closure_chi_square_limit);
+  }
+  for (const double chi_square : result.sighting_chi_squares) {
+    cost += std::min(chi_square, options.sighting_chi_square_limit);
   }
   return cost;
 }
@@ -114,47 +90,70 @@ double MultiRobotMap::State::TruncatedCost(const PoseGraph& graph,
 // missions, each as it is now, are also aligned afresh by the votes of all closures; whichever
 // start ends at the lower cost wins. Where the result already uses the closures that win the votes,
 // it would only be found again.
-void MultiRobotMap::State::ReconsiderAlignments(PoseGraph graph,
-                                                const std::vector<int>& edge_of_closure,
-                                                PoseGraphResult& result) {
-  const std::vector<SnapshotMission> current = missions;
-  for (int m = 0; m < static_cast<int>(missions.size()); ++m) missions[m].component = m;
+void MultiRobotMap::State::ReconsiderAlignments(MapProblem problem, PoseGraphResult& result) {
+  const std::vector<SnapshotMission> current_missions = missions;
+  const auto current_landmarks = landmarks;
+  const auto give_up = [&] {
+    missions = current_missions;
+    landmarks = current_landmarks;
+  };
+  const int edges = static_cast<int>(problem.graph.edges.size());
+  const int sightings_in_use = static_cast<int>(problem.graph.sightings.size());
+  for (int m = 0; m < static_cast<int>(missions.size()); ++m) {
+    if (missions[m].component != kWorld) missions[m].component = m;
+  }
   const std::vector<int> aligning = JoinFrames(Joining::kAll);
   const bool in_use = std::all_of(aligning.begin(), aligning.end(), [&](int k) {
-    return result.weights[edge_of_closure[k]] >= kDemotedBelowWeight;
+    return k < 0 || result.weights[problem.edge_of_closure[k]] >= kDemotedBelowWeight;
   });
-  if (in_use) {
-    missions = current;
-    return;
+  if (in_use) return give_up();
+  problem = BuildProblem();
+  // Only where the same measurements take part are the costs of the two starts comparable.
+  if (static_cast<int>(problem.graph.edges.size()) != edges ||
+      static_cast<int>(problem.graph.sightings.size()) != sightings_in_use) {
+    return give_up();
   }
-  graph.poses.clear();
-  for (const SnapshotMission& mission : missions) {
-    graph.poses.insert(graph.poses.end(), mission.map_from_body.begin(),
-                       mission.map_from_body.end());
-  }
-  const auto afresh = Solve(graph, /*initial_weights=*/{});
-  if (afresh.ok() && TruncatedCost(graph, *afresh) < TruncatedCost(graph, result)) {
+  const auto afresh = Solve(problem, /*warm=*/false);
+  if (afresh.ok() && TruncatedCost(problem, *afresh) < TruncatedCost(problem, result)) {
     result = *afresh;
   } else {
-    missions = current;
+    give_up();
   }
 }
 
-void MultiRobotMap::State::TakeResult(const PoseGraphResult& result,
-                                      const std::vector<int>& edge_of_closure) {
-  auto pose = result.poses.begin();
+void MultiRobotMap::State::TakeResult(const PoseGraphResult& result, const MapProblem& problem) {
+  auto pose = result.poses.begin() + 1;  // after the world
   for (SnapshotMission& mission : missions) {
     std::copy_n(pose, mission.map_from_body.size(), mission.map_from_body.begin());
     pose += mission.map_from_body.size();
   }
-  for (size_t k = 0; k < closures.size(); ++k) {
-    if (edge_of_closure[k] < 0) continue;
-    SnapshotClosure& entry = closures[k];
-    entry.weight = result.weights[edge_of_closure[k]];
-    entry.chi_square = result.chi_squares[edge_of_closure[k]];
-    entry.verdict = entry.weight < kDemotedBelowWeight ? ClosureVerdict::kDemotedByOptimiser
-                                                       : ClosureVerdict::kAccepted;
+  for (size_t i = 0; i < problem.landmark_of.size(); ++i) {
+    landmarks[problem.landmark_of[i]] = result.landmarks[i];
   }
+  for (size_t k = 0; k < closures.size(); ++k) {
+    const int edge = problem.edge_of_closure[k];
+    if (edge < 0) continue;
+    ClosureRecord& record = closures[k];
+    record.weight = result.weights[edge];
+    record.chi_square = result.chi_squares[edge];
+    if (record.verdict == ClosureVerdict::kForcedByOperator) continue;
+    SetVerdict(record, record.weight < kDemotedBelowWeight ? ClosureVerdict::kDemotedByOptimiser
+                                                           : ClosureVerdict::kAccepted);
+  }
+  for (size_t k = 0; k < absolutes.size(); ++k) {
+    const int edge = problem.edge_of_absolute[k];
+    if (edge >= 0) absolutes[k].weight = result.weights[edge];
+  }
+  for (size_t k = 0; k < sightings.size(); ++k) {
+    const int row = problem.row_of_sighting[k];
+    if (row >= 0) sightings[k].weight = result.sighting_weights[row];
+  }
+}
+
+void MultiRobotMap::State::SetVerdict(ClosureRecord& record, ClosureVerdict verdict) const {
+  if (record.verdict == verdict) return;
+  record.verdict = verdict;
+  record.since_revision = revision;
 }
 
 }  // namespace overtone

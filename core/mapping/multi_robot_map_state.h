@@ -1,61 +1,150 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a MultiRobotMap holds, and the steps of one optimisation. Internal: three sources share it.
-//   multi_robot_map.cc           what comes in, and what goes out as a snapshot
-//   multi_robot_map_frames.cc    which missions share a frame
-//   multi_robot_map_solution.cc  from poses and closures to a solved pose graph and back
+// What a MultiRobotMap holds, and the steps of one optimisation. Internal: its sources share it.
+//   multi_robot_map.cc              what comes in, and what goes out as a snapshot
+//   multi_robot_map_decisions.cc    what an operator says
+//   multi_robot_map_activation.cc   what has come complete and takes part from now on
+//   multi_robot_map_consistency.cc  which closures between two missions agree
+//   multi_robot_map_frames.cc       which missions share a frame
+//   multi_robot_map_graph.cc        from missions and measurements to a pose graph
+//   multi_robot_map_solution.cc     from a pose graph to a solution and back
 #ifndef OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_STATE_H_
 #define OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_STATE_H_
 
 #include <map>
 #include <memory>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "overtone/core/estimation/pairwise_consistency.h"
 #include "overtone/core/estimation/pose_graph_optimizer.h"
 #include "overtone/core/mapping/frame_joining.h"
 #include "overtone/core/mapping/multi_robot_map.h"
 
 namespace overtone {
 
+// A sighting on its way into the optimiser.
+struct SightingRecord {
+  NodeId observer;
+  std::string landmark;  // or, when empty:
+  std::string robot;     // whose mission, keyframe and point in its frame follow from the stamp
+  NodeId target;
+  Eigen::Vector3d point_in_target = Eigen::Vector3d::Zero();
+  Eigen::Vector3d point_in_body = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+  bool pending = true;  // the other robot's keyframes are not there yet
+  double weight = 1;    // of the robust optimisation
+};
+
+struct AbsoluteRecord {
+  NodeId node;
+  Rigid3d map_from_body;
+  Matrix6d covariance = Matrix6d::Identity();
+  double weight = 1;
+};
+
+// The pose graph of the whole map, and where each of its parts came from.
+struct MapProblem {
+  PoseGraph graph;  // pose 0 is the world, which absolute poses refer to
+  std::vector<int> first_pose;        // of each mission
+  std::vector<int> edge_of_closure;   // -1: not in play
+  std::vector<int> edge_of_absolute;  // -1: its mission is in a frame of its own as yet
+  std::vector<int> row_of_sighting;   // -1: pending, or between two frames
+  std::vector<std::pair<int, std::string>> landmark_of;  // frame and id of each landmark
+};
+
 // Missions are in the order in which they came. Between two revisions `component` names a frame by
-// its oldest mission's position, and poses of different frames have nothing to do with each other.
+// its oldest mission's position, or is kWorld; poses of different frames have nothing to do with
+// each other.
 struct MultiRobotMap::State {
+  static constexpr int kWorld = -1;
+
+  enum class Decision { kNone, kVetoed, kForced };
+
   MultiRobotMapOptions options;
   uint64_t map_epoch = 0;
   uint64_t revision = 0;
   bool dirty = false;
   std::vector<SnapshotMission> missions;
+  std::vector<UncertainTrajectory> odometry;  // of each mission
   std::map<MissionId, int> position_of;
-  std::vector<SnapshotClosure> closures;
-  std::map<std::pair<NodeId, NodeId>, std::vector<int>> closures_of_ends;
 
-  void AppendKeyframes(const Submap& submap, SnapshotMission& mission);
-  void InsertClosure(const LoopClosure& closure);
+  std::vector<ClosureRecord> closures;
+  std::vector<Decision> decisions;  // of each closure
+  std::map<std::string, int> closure_of_id;
+  std::map<std::pair<NodeId, NodeId>, std::vector<int>> closures_of_ends;
+  std::map<std::pair<int, int>, PairwiseConsistency> consistency;  // of two missions
+  std::vector<int> consistency_row;  // of each closure in that of its missions; -1: none
+
+  std::vector<SightingRecord> sightings;
+  std::vector<AbsoluteRecord> absolutes;
+  std::map<std::pair<int, std::string>, Eigen::Vector3d> landmarks;  // by frame and id
+
+  RevisionHistory history;
+
+  // What comes in.
+  void AppendKeyframes(const Submap& submap, int position);
+  void AppendMeasurements(const MissionId& mission, const Submap& submap);
+  void InsertCandidate(const LoopCandidate& candidate);
+  Matrix6d MotionCovariance(const SnapshotMission& mission, int64_t index) const;
+
   // nullptr: not in the map yet.
   const Rigid3d* PoseOf(const NodeId& node) const;
-  int FrameOf(const NodeId& node) const { return missions[position_of.at(node.mission)].component; }
+  int PositionOf(const NodeId& node) const { return position_of.at(node.mission); }
+  int FrameOf(const NodeId& node) const { return missions[PositionOf(node)].component; }
+  static bool BetweenMissions(const ClosureRecord& record) {
+    return record.candidate.from.mission != record.candidate.to.mission;
+  }
+  // Measured, both ends known, and neither figures nor operator against it.
+  bool InPlay(int closure) const;
 
+  // Before the optimisation.
   void ActivateClosures();
-  // Whose ties may join frames: those of closures in use, or all that are not pending.
+  void ActivateSightings();
+  void Locate(SightingRecord& sighting) const;
+  void JudgeConsistency();
+  bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair);
+
+  // Everything that ties two frames.
+  struct Ties {
+    std::vector<FrameTie> poses;
+    std::vector<int> closures;  // of each pose tie; -1: an absolute pose
+    std::vector<PointTie> points;
+    bool certain = false;  // an operator or a surveyed pose says so
+    bool may_join = false;
+    int support = 0;  // size of the largest consistent set among the closures
+  };
+  using TiesOfFrames = std::map<std::pair<int, int>, Ties>;
+  // Whose ties may join frames: those of closures in use, or all that are in play.
   enum class Joining { kInUse, kAll };
-  // The closures whose measurements aligned the frames.
+  TiesOfFrames CollectTies(Joining joining) const;
+  void AddClosureTies(Joining joining, TiesOfFrames& ties) const;
+  void AddLandmarkTies(TiesOfFrames& ties) const;
+  void AddSightingTies(TiesOfFrames& ties) const;
+  void AddAbsoluteTies(TiesOfFrames& ties) const;
+  bool Suffice(const Ties& ties, const FrameAlignment& alignment) const;
+  // The closures whose measurements aligned the frames (-1: points).
   std::vector<int> JoinFrames(Joining joining);
-  // -1: no more frames to join.
-  int JoinBestTiedFrames(Joining joining);
-  FrameTie TieOf(const LoopClosure& closure) const;
+  bool JoinBestTiedFrames(Joining joining, std::vector<int>& aligning);
+  void Quarantine();
+  FrameTie TieOf(const LoopCandidate& candidate) const;
   void MoveFrame(int frame, const Rigid3d& new_from_old, int new_frame);
 
-  PoseGraph BuildPoseGraph(std::vector<int>* edge_of_closure) const;
-  absl::StatusOr<PoseGraphResult> Solve(const PoseGraph& graph,
-                                        const std::vector<double>& initial_weights) const;
-  absl::StatusOr<PoseGraphResult> SolveWarm(const PoseGraph& graph,
-                                            const std::vector<int>& edge_of_closure) const;
-  bool DemotesBetweenMissions(const PoseGraphResult& result,
-                              const std::vector<int>& edge_of_closure) const;
-  void ReconsiderAlignments(PoseGraph graph, const std::vector<int>& edge_of_closure,
-                            PoseGraphResult& result);
-  double TruncatedCost(const PoseGraph& graph, const PoseGraphResult& result) const;
-  void TakeResult(const PoseGraphResult& result, const std::vector<int>& edge_of_closure);
+  // The optimisation.
+  MapProblem BuildProblem();
+  void AddMissions(MapProblem& problem) const;
+  void AddClosures(MapProblem& problem) const;
+  void AddAbsolutes(MapProblem& problem) const;
+  void AddSightings(MapProblem& problem);
+  absl::StatusOr<PoseGraphResult> Solve(const MapProblem& problem, bool warm) const;
+  bool DemotesBetweenMissions(const PoseGraphResult& result, const MapProblem& problem) const;
+  void ReconsiderAlignments(MapProblem problem, PoseGraphResult& result);
+  double TruncatedCost(const MapProblem& problem, const PoseGraphResult& result) const;
+  void TakeResult(const PoseGraphResult& result, const MapProblem& problem);
+  void SetVerdict(ClosureRecord& record, ClosureVerdict verdict) const;
+
+  // After it.
   void SplitFrames();
   std::shared_ptr<const MapSnapshot> Freeze(const PoseGraphResult& result);
 };

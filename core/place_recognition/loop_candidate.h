@@ -12,7 +12,7 @@
 
 namespace overtone {
 
-enum class LoopProposer {
+enum class LoopEvidence {
   kRobot,        // the robot's front end, with a relative pose
   kRobotScore,   // the robot's front end, with a score only
   kScanContext,  // the server, from point clouds
@@ -31,7 +31,7 @@ struct RegistrationFigures {
 struct LoopCandidate {
   NodeId from;
   NodeId to;
-  LoopProposer proposer = LoopProposer::kRobot;
+  LoopEvidence proposer = LoopEvidence::kRobot;
   double score = 0;  // similarity, [0, 1]; of no meaning for kRobot
   double score_threshold = 0;
   // The proposer's guess, then the verifier's measurement.

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/cloud_library.h"
+
+#include <utility>
+
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/core/graph/point_cloud_codec.h"
+
+namespace overtone {
+
+void CloudLibrary::AddSubmap(const MissionId& mission, const Submap& submap) {
+  absl::MutexLock lock(&mutex_);
+  std::vector<KeyframeEntry>& entries = missions_[mission];
+  for (const Keyframe& keyframe : submap.keyframes) {
+    double travelled_m = 0;
+    if (!entries.empty()) {
+      travelled_m = entries.back().travelled_m +
+                    (keyframe.mission_from_body.translation -
+                     entries.back().mission_from_body.translation)
+                        .norm();
+    }
+    entries.push_back({keyframe.mission_from_body, travelled_m, false, nullptr});
+  }
+  for (const KeyframeCloud& cloud : submap.clouds) entries[cloud.index].expects_cloud = true;
+}
+
+void CloudLibrary::AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
+  absl::MutexLock lock(&mutex_);
+  const auto entries = missions_.find(node.mission);
+  if (entries == missions_.end() || node.index >= static_cast<int64_t>(entries->second.size())) {
+    return;
+  }
+  entries->second[node.index].blob = std::move(blob);
+}
+
+const CloudLibrary::KeyframeEntry* CloudLibrary::Find(const NodeId& node) const {
+  const auto entries = missions_.find(node.mission);
+  if (entries == missions_.end() || node.index < 0 ||
+      node.index >= static_cast<int64_t>(entries->second.size())) {
+    return nullptr;
+  }
+  return &entries->second[node.index];
+}
+
+bool CloudLibrary::HasCloud(const NodeId& node) const {
+  absl::MutexLock lock(&mutex_);
+  const KeyframeEntry* entry = Find(node);
+  return entry != nullptr && entry->blob != nullptr;
+}
+
+bool CloudLibrary::ExpectsCloud(const NodeId& node) const {
+  absl::MutexLock lock(&mutex_);
+  const KeyframeEntry* entry = Find(node);
+  return entry != nullptr && entry->expects_cloud;
+}
+
+absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const NodeId& node,
+                                                                      double* travelled_m) const {
+  absl::MutexLock lock(&mutex_);
+  const KeyframeEntry* own = Find(node);
+  if (own == nullptr || own->blob == nullptr) {
+    return absl::NotFoundError(absl::StrCat(ToString(node), " has no cloud"));
+  }
+  *travelled_m = own->travelled_m;
+  const std::vector<KeyframeEntry>& entries = missions_.at(node.mission);
+  const Rigid3d body_from_mission = own->mission_from_body.Inverse();
+  std::vector<Part> parts;
+  for (int64_t i = node.index; i >= 0; --i) {
+    if (own->travelled_m - entries[i].travelled_m > gather_length_m_) break;
+    if (entries[i].blob == nullptr) continue;
+    parts.push_back({body_from_mission * entries[i].mission_from_body, entries[i].blob});
+  }
+  return parts;
+}
+
+absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId& node) {
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto known = view_of_.find(node);
+    if (known != view_of_.end()) {
+      views_.splice(views_.begin(), views_, known->second);
+      return *known->second;
+    }
+  }
+  PlaceView view;
+  view.node = node;
+  ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view.travelled_m));
+  PointCloud gathered;
+  for (const Part& part : parts) {
+    ASSIGN_OR_RETURN(const PointCloud cloud, DecodePointCloud(*part.blob));
+    const Eigen::Matrix3f rotation = part.body_from_part.rotation.toRotationMatrix().cast<float>();
+    const Eigen::Vector3f translation = part.body_from_part.translation.cast<float>();
+    gathered.points.reserve(gathered.size() + cloud.size());
+    for (const Eigen::Vector3f& point : cloud.points) {
+      gathered.points.push_back(rotation * point + translation);
+    }
+  }
+  view.cloud = std::make_shared<const PointCloud>(std::move(gathered));
+  auto shared = std::make_shared<const PlaceView>(std::move(view));
+  absl::MutexLock lock(&mutex_);
+  if (view_of_.count(node) > 0) return shared;  // another thread was first
+  views_.push_front(shared);
+  view_of_[node] = views_.begin();
+  if (views_.size() > max_views_) {
+    view_of_.erase(views_.back()->node);
+    views_.pop_back();
+  }
+  return shared;
+}
+
+}  // namespace overtone

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The clouds of one map, encoded as they came, and the local maps made from them.
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_CLOUD_LIBRARY_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_CLOUD_LIBRARY_H_
+
+#include <list>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/statusor.h"
+#include "absl/synchronization/mutex.h"
+#include "overtone/core/graph/submap.h"
+#include "overtone/core/place_recognition/loop_detection.h"
+
+namespace overtone {
+
+// Thread-safe.
+class CloudLibrary {
+ public:
+  // A view gathers the clouds of the keyframes up to gather_length_m before it; the newest
+  // `max_views` views asked for are kept.
+  CloudLibrary(double gather_length_m, size_t max_views)
+      : gather_length_m_(gather_length_m), max_views_(max_views) {}
+
+  // Keyframes by odometry, and which of them will have a cloud.
+  void AddSubmap(const MissionId& mission, const Submap& submap);
+  void AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob);
+
+  // True: a cloud is there; or it was announced.
+  bool HasCloud(const NodeId& node) const;
+  bool ExpectsCloud(const NodeId& node) const;
+
+  // NotFound: no cloud of that keyframe. InvalidArgument: it cannot be decoded.
+  absl::StatusOr<std::shared_ptr<const PlaceView>> View(const NodeId& node);
+
+ private:
+  struct KeyframeEntry {
+    Rigid3d mission_from_body;
+    double travelled_m = 0;
+    bool expects_cloud = false;
+    std::shared_ptr<const std::string> blob;  // null: none yet
+  };
+  struct Part {
+    Rigid3d body_from_part;
+    std::shared_ptr<const std::string> blob;
+  };
+
+  const KeyframeEntry* Find(const NodeId& node) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // The node's own cloud first.
+  absl::StatusOr<std::vector<Part>> PartsOf(const NodeId& node, double* travelled_m) const;
+
+  const double gather_length_m_;
+  const size_t max_views_;
+  mutable absl::Mutex mutex_;
+  std::map<MissionId, std::vector<KeyframeEntry>> missions_ ABSL_GUARDED_BY(mutex_);
+  // Newest first.
+  std::list<std::shared_ptr<const PlaceView>> views_ ABSL_GUARDED_BY(mutex_);
+  std::map<NodeId, std::list<std::shared_ptr<const PlaceView>>::iterator> view_of_
+      ABSL_GUARDED_BY(mutex_);
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_CLOUD_LIBRARY_H_

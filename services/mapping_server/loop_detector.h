@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Looks for loops in the clouds of one map, on threads of its own: so it holds up neither uploads
+// nor the mapping thread.
+//   cloud -> view (gathered over a few keyframes) -> proposer -> candidates -> verifier -> the map
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_LOOP_DETECTOR_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_LOOP_DETECTOR_H_
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/base/thread_annotations.h"
+#include "absl/status/status.h"
+#include "absl/synchronization/mutex.h"
+#include "overtone/core/graph/submap.h"
+#include "overtone/core/mapping/cloud_verifier.h"
+#include "overtone/core/place_recognition/loop_detection.h"
+#include "overtone/core/place_recognition/scan_context_proposer.h"
+#include "overtone/services/mapping_server/cloud_library.h"
+#include "overtone/services/mapping_server/worker_pool.h"
+
+namespace overtone {
+
+struct LoopDetectorOptions {
+  // False: clouds are stored and not looked at.
+  bool enabled = true;
+  // Side by side; each registration takes one.
+  int num_threads = 2;
+  // A view gathers the clouds of the keyframes so far back, metres: one scan of a limited sensor or
+  // of a planar laser sees too little.
+  double gather_length_m = 0;
+  // Views and their registration pyramids kept ready; beyond, they are made again.
+  int max_views = 256;
+  ScanContextProposerOptions proposer;
+  CloudVerifierOptions verifier;
+
+  absl::Status Validate() const;
+};
+
+// Thread-safe.
+class LoopDetector {
+ public:
+  struct Sink {
+    std::function<void(LoopCandidate)> on_candidate;      // looked at closer
+    std::function<void(ScoredCandidate)> on_scored_pair;  // that has no clouds to look at
+  };
+
+  // The sink is called from its threads and from AddSubmap.
+  LoopDetector(const LoopDetectorOptions& options, Sink sink);
+
+  // In the order in which the map gets them; clouds after their submap.
+  void AddSubmap(const MissionId& mission, const Submap& submap);
+  void AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob);
+
+  // Clouds and candidates that are still to be looked at.
+  int64_t backlog() const { return pool_.backlog(); }
+
+  // The place that looks most like this one. Absent: no cloud here, or none elsewhere.
+  std::optional<LoopCandidate> MostSimilar(const NodeId& node) const;
+
+ private:
+  void Describe(const NodeId& node);
+  void Verify(LoopCandidate candidate);
+  // Scored pairs one of whose clouds is still on its way.
+  void VerifyWaiting();
+
+  const LoopDetectorOptions options_;
+  const Sink sink_;
+  const std::unique_ptr<const LoopVerifier> verifier_;
+  CloudLibrary library_;
+  mutable absl::Mutex mutex_;
+  const std::unique_ptr<LoopProposer> proposer_ ABSL_PT_GUARDED_BY(mutex_);
+  std::vector<ScoredCandidate> waiting_ ABSL_GUARDED_BY(mutex_);
+  WorkerPool pool_;  // last: its tasks use everything above
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_LOOP_DETECTOR_H_
