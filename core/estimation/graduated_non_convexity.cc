@@ -8,29 +8,33 @@ namespace {
 
 // Solves between two weight updates need not be exact: the next one goes on from there.
 constexpr int kInnerIterations = 1;
-// Enough for a set of closures that fits; one that does not is left to the schedule.
+// Enough for a set of measurements that fits; one that does not is left to the schedule.
 constexpr int kProbeIterations = 5;
-// Truncation: with this mu only closures within 6 % of the limit have a weight between 0 and 1.
+// Truncation: with this mu only residuals within 6 % of the limit have a weight between 0 and 1.
 constexpr double kSharpMu = 16;
-// Updates of the final 0/1 weights; more than a few mean that a closure sits on the limit and
-// flips.
+// Updates of the final 0/1 weights; more than a few mean that a measurement sits on the limit
+// and flips.
 constexpr int kMaxSettlingSteps = 5;
+
+// Of chi squares in units of their limits.
+constexpr double kLimit = 1;
 
 class GncRun {
  public:
-  GncRun(const std::vector<int>& closures, const GncOptions& options, const SolveLimits& limits,
+  GncRun(const std::vector<int>& doubtful, const GncOptions& options, const SolveLimits& limits,
          PoseGraphProblem& problem)
-      : closures_(closures), options_(options), limits_(limits), problem_(problem) {}
+      : doubtful_(doubtful), options_(options), limits_(limits), problem_(problem) {}
 
   SolveSummary Run(const std::vector<double>& initial_weights) {
-    const std::vector<Rigid3d> initial_poses = problem_.Poses();
+    const PoseGraphEstimate initial = problem_.Estimate();
     SetWeights(initial_weights);
     SolveLimits probe = limits_;
     probe.max_iterations = std::min(limits_.max_iterations, kProbeIterations);
     Solve(probe);
     const double initial_cost = last_.initial_cost;
     if (weights_ != ThresholdWeights()) {
-      problem_.SetPoses(initial_poses);
+      problem_.SetEstimate(initial);
+      problem_.PlaceLandmarks();
       RunSchedule();
     } else if (!last_.converged) {
       Settle();
@@ -41,13 +45,15 @@ class GncRun {
   }
 
  private:
-  // From the initial poses, not from the least-squares solution with all closures in use: a few
-  // gross ones turn that one inside out, and it is not convex on rotations. At first the surrogate
-  // makes closures soft against the odometry, wrong ones softest.
+  // From the initial estimate, not from the least-squares solution with everything in use: a few
+  // gross errors turn that one inside out, and it is not convex on rotations. At first the
+  // surrogate makes the doubtful soft against the odometry, the wrong softest. Landmarks begin in
+  // the middle of their sightings: a landmark given where one wrong sighting put it would stay
+  // there, since that one fits and the right ones do not.
   void RunSchedule() {
     SolveLimits inner = limits_;
     inner.max_iterations = std::min(limits_.max_iterations, kInnerIterations);
-    double mu = InitialControlParameter(options_.loss, LargestChiSquare(), options_.squared_limit);
+    double mu = InitialControlParameter(options_.loss, LargestRatio(), kLimit);
     for (int step = 0; step < options_.max_steps; ++step) {
       SetWeights(SurrogateWeights(mu));
       Solve(inner);
@@ -74,34 +80,34 @@ class GncRun {
   }
 
   void SetWeights(const std::vector<double>& weights) {
-    for (size_t k = 0; k < closures_.size(); ++k) problem_.SetWeight(closures_[k], weights[k]);
+    for (size_t k = 0; k < doubtful_.size(); ++k) problem_.SetWeight(doubtful_[k], weights[k]);
     weights_ = weights;
   }
 
   // 1 within the limit, 0 beyond.
   std::vector<double> ThresholdWeights() const {
-    std::vector<double> weights(closures_.size());
-    for (size_t k = 0; k < closures_.size(); ++k) {
-      weights[k] = problem_.ChiSquare(closures_[k]) <= options_.squared_limit ? 1 : 0;
+    std::vector<double> weights(doubtful_.size());
+    for (size_t k = 0; k < doubtful_.size(); ++k) {
+      weights[k] = problem_.ChiSquareOverLimit(doubtful_[k]) <= kLimit ? 1 : 0;
     }
     return weights;
   }
 
   std::vector<double> SurrogateWeights(double mu) const {
-    std::vector<double> weights(closures_.size());
-    for (size_t k = 0; k < closures_.size(); ++k) {
-      weights[k] = SurrogateWeight(options_.loss, problem_.ChiSquare(closures_[k]),
-                                   options_.squared_limit, mu);
+    std::vector<double> weights(doubtful_.size());
+    for (size_t k = 0; k < doubtful_.size(); ++k) {
+      weights[k] =
+          SurrogateWeight(options_.loss, problem_.ChiSquareOverLimit(doubtful_[k]), kLimit, mu);
     }
     return weights;
   }
 
-  // Of the closures in use. Those that an earlier run left out may be far worse, and would make the
-  // schedule begin by loosening a map that is tight already.
-  double LargestChiSquare() const {
+  // Of the measurements in use. Those that an earlier run left out may be far worse, and would make
+  // the schedule begin by loosening a map that is tight already.
+  double LargestRatio() const {
     double largest = 0;
-    for (size_t k = 0; k < closures_.size(); ++k) {
-      if (weights_[k] > 0) largest = std::max(largest, problem_.ChiSquare(closures_[k]));
+    for (size_t k = 0; k < doubtful_.size(); ++k) {
+      if (weights_[k] > 0) largest = std::max(largest, problem_.ChiSquareOverLimit(doubtful_[k]));
     }
     return largest;
   }
@@ -114,7 +120,7 @@ class GncRun {
     return std::all_of(weights_.begin(), weights_.end(), [](double w) { return w == 0 || w == 1; });
   }
 
-  const std::vector<int>& closures_;
+  const std::vector<int>& doubtful_;
   const GncOptions& options_;
   const SolveLimits& limits_;
   PoseGraphProblem& problem_;
@@ -125,10 +131,10 @@ class GncRun {
 
 }  // namespace
 
-SolveSummary SolveGraduated(const std::vector<int>& closures,
+SolveSummary SolveGraduated(const std::vector<int>& doubtful,
                             const std::vector<double>& initial_weights, const GncOptions& options,
                             const SolveLimits& limits, PoseGraphProblem& problem) {
-  return GncRun(closures, options, limits, problem).Run(initial_weights);
+  return GncRun(doubtful, options, limits, problem).Run(initial_weights);
 }
 
 }  // namespace overtone

@@ -3,11 +3,11 @@
 
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/estimation/chordal_initialisation.h"
-#include "overtone/core/estimation/connected_components.h"
 #include "overtone/core/estimation/graduated_non_convexity.h"
 #include "overtone/core/estimation/pose_graph_problem.h"
 #include "overtone/core/estimation/serial_openmp.h"
@@ -18,66 +18,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kUnitLengthTolerance = 1e-6;
-// Far beyond any real graph, yet their squares and products stay finite.
-constexpr double kLargestTranslationM = 1e15;
-constexpr double kLargestInformation = 1e30;
-
 double SecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-absl::Status CheckPose(const Rigid3d& pose) {
-  if (!pose.rotation.coeffs().allFinite() || !pose.translation.allFinite()) {
-    return absl::InvalidArgumentError("not finite");
-  }
-  if (std::abs(pose.rotation.norm() - 1) > kUnitLengthTolerance) {
-    return absl::InvalidArgumentError("quaternion is not of unit length");
-  }
-  if (pose.translation.cwiseAbs().maxCoeff() > kLargestTranslationM) {
-    return absl::InvalidArgumentError("translation exceeds 1e15 m");
-  }
-  return absl::OkStatus();
-}
-
-template <typename... Where>
-absl::Status Prefix(const absl::Status& status, const Where&... where) {
-  if (status.ok()) return status;
-  return absl::Status(status.code(), absl::StrCat(where..., ": ", status.message()));
-}
-
-absl::Status CheckEdge(const PoseGraphEdge& edge, int num_poses) {
-  if (edge.from < 0 || edge.from >= num_poses) {
-    return absl::InvalidArgumentError(absl::StrCat("from = ", edge.from, " is out of range"));
-  }
-  if (edge.to < 0 || edge.to >= num_poses) {
-    return absl::InvalidArgumentError(absl::StrCat("to = ", edge.to, " is out of range"));
-  }
-  if (edge.from == edge.to) return absl::InvalidArgumentError("both ends are the same pose");
-  if (edge.information.cwiseAbs().maxCoeff() > kLargestInformation) {
-    return absl::InvalidArgumentError("information exceeds 1e30");
-  }
-  return Prefix(CheckPose(edge.from_tform_to), "from_tform_to");
-}
-
-// The checks of CheckPoseGraph; the factors come out of the last one.
-absl::StatusOr<std::vector<Matrix6d>> CheckAndFactorise(const PoseGraph& graph) {
-  for (size_t i = 0; i < graph.poses.size(); ++i) {
-    RETURN_IF_ERROR(Prefix(CheckPose(graph.poses[i]), "poses[", i, "]"));
-  }
-  std::vector<Matrix6d> factors;
-  factors.reserve(graph.edges.size());
-  for (size_t k = 0; k < graph.edges.size(); ++k) {
-    RETURN_IF_ERROR(Prefix(CheckEdge(graph.edges[k], graph.poses.size()), "edges[", k, "]"));
-    const auto factor = SquareRootInformation(graph.edges[k].information);
-    RETURN_IF_ERROR(Prefix(factor.status(), "edges[", k, "]"));
-    factors.push_back(*factor);
-  }
-  return factors;
-}
-
-absl::StatusOr<std::vector<Rigid3d>> Initialise(const PoseGraph& graph,
-                                                PoseGraphInitialisation initialisation) {
+absl::StatusOr<std::vector<Rigid3d>> InitialPoses(const PoseGraph& graph,
+                                                  PoseGraphInitialisation initialisation) {
   switch (initialisation) {
     case PoseGraphInitialisation::kSpanningTree:
       return SpanningTreeInitialisation(graph);
@@ -89,6 +35,17 @@ absl::StatusOr<std::vector<Rigid3d>> Initialise(const PoseGraph& graph,
   return graph.poses;
 }
 
+// One for each measurement, edges first.
+std::vector<double> InitialWeights(const PoseGraph& graph,
+                                   const PoseGraphOptimizerOptions& options) {
+  std::vector<double> weights = options.initial_weights;
+  weights.resize(graph.edges.size(), 1);
+  weights.insert(weights.end(), options.initial_sighting_weights.begin(),
+                 options.initial_sighting_weights.end());
+  weights.resize(graph.edges.size() + graph.sightings.size(), 1);
+  return weights;
+}
+
 SolveSummary SolveProblem(const PoseGraph& graph, const PoseGraphOptimizerOptions& options,
                           PoseGraphProblem& problem) {
   SolveLimits limits;
@@ -96,45 +53,46 @@ SolveSummary SolveProblem(const PoseGraph& graph, const PoseGraphOptimizerOption
   limits.function_tolerance = options.function_tolerance;
   limits.num_threads = options.num_threads;
   if (!IsGraduated(options.loss)) return problem.Solve(limits);
-  std::vector<int> closures;
+  const std::vector<double> all_weights = InitialWeights(graph, options);
+  std::vector<int> doubtful;
   std::vector<double> weights;
-  for (size_t k = 0; k < graph.edges.size(); ++k) {
-    if (graph.edges[k].kind != EdgeKind::kLoopClosure) continue;
-    closures.push_back(static_cast<int>(k));
-    weights.push_back(options.initial_weights.empty() ? 1 : options.initial_weights[k]);
+  for (int k = 0; k < problem.NumMeasurements(); ++k) {
+    if (!problem.MayBeWrong(k)) continue;
+    doubtful.push_back(k);
+    weights.push_back(all_weights[k]);
   }
   GncOptions gnc;
   gnc.loss = options.loss;
-  gnc.squared_limit = options.closure_chi_square_limit;
-  return SolveGraduated(closures, weights, gnc, limits, problem);
+  return SolveGraduated(doubtful, weights, gnc, limits, problem);
 }
 
-int CountComponents(const PoseGraph& graph) {
-  ConnectedComponents components(static_cast<int>(graph.poses.size()));
-  for (const PoseGraphEdge& edge : graph.edges) components.Unite(edge.from, edge.to);
-  return static_cast<int>(components.Representatives().size());
-}
-
-}  // namespace
-
-absl::Status PoseGraphOptimizerOptions::Validate() const {
-  if (!(closure_chi_square_limit > 0) || !std::isfinite(closure_chi_square_limit)) {
-    return absl::InvalidArgumentError("closure_chi_square_limit must be positive and finite");
-  }
-  if (max_iterations < 0) return absl::InvalidArgumentError("max_iterations must not be negative");
-  if (!(function_tolerance >= 0)) {
-    return absl::InvalidArgumentError("function_tolerance must not be negative");
-  }
-  if (num_threads < 1) return absl::InvalidArgumentError("num_threads must be at least 1");
-  for (const double weight : initial_weights) {
+absl::Status CheckWeights(const char* name, const std::vector<double>& weights) {
+  for (const double weight : weights) {
     if (weight != 0 && weight != 1) {
-      return absl::InvalidArgumentError("initial_weights must be 0 or 1");
+      return absl::InvalidArgumentError(absl::StrCat(name, " must be 0 or 1"));
     }
   }
   return absl::OkStatus();
 }
 
-absl::Status CheckPoseGraph(const PoseGraph& graph) { return CheckAndFactorise(graph).status(); }
+absl::Status CheckLimit(const char* name, double limit) {
+  if (limit > 0 && std::isfinite(limit)) return absl::OkStatus();
+  return absl::InvalidArgumentError(absl::StrCat(name, " must be positive and finite"));
+}
+
+}  // namespace
+
+absl::Status PoseGraphOptimizerOptions::Validate() const {
+  RETURN_IF_ERROR(CheckLimit("closure_chi_square_limit", closure_chi_square_limit));
+  RETURN_IF_ERROR(CheckLimit("sighting_chi_square_limit", sighting_chi_square_limit));
+  if (max_iterations < 0) return absl::InvalidArgumentError("max_iterations must not be negative");
+  if (!(function_tolerance >= 0)) {
+    return absl::InvalidArgumentError("function_tolerance must not be negative");
+  }
+  if (num_threads < 1) return absl::InvalidArgumentError("num_threads must be at least 1");
+  RETURN_IF_ERROR(CheckWeights("initial_weights", initial_weights));
+  return CheckWeights("initial_sighting_weights", initial_sighting_weights);
+}
 
 absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph,
                                                   const PoseGraphOptimizerOptions& options) {
@@ -144,26 +102,37 @@ absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph,
   if (!options.initial_weights.empty() && options.initial_weights.size() != graph.edges.size()) {
     return absl::InvalidArgumentError("initial_weights must be one for each edge");
   }
-  ASSIGN_OR_RETURN(const std::vector<Matrix6d> factors, CheckAndFactorise(graph));
+  if (!options.initial_sighting_weights.empty() &&
+      options.initial_sighting_weights.size() != graph.sightings.size()) {
+    return absl::InvalidArgumentError("initial_sighting_weights must be one for each sighting");
+  }
+  ASSIGN_OR_RETURN(const PoseGraphFactors factors, CheckAndFactorise(graph));
   const Clock::time_point checked = Clock::now();
   ASSIGN_OR_RETURN(const std::vector<Rigid3d> first_guess,
-                   Initialise(graph, options.initialisation));
+                   InitialPoses(graph, options.initialisation));
   PoseGraphResult result;
   result.initialisation_s = SecondsSince(checked);
 
-  PoseGraphProblem problem(graph, factors, options.loss, options.closure_chi_square_limit);
-  problem.SetPoses(first_guess);
+  PoseGraphProblem problem(
+      graph, factors,
+      {options.loss, options.closure_chi_square_limit, options.sighting_chi_square_limit});
+  problem.SetEstimate({first_guess, graph.landmarks});
+  if (options.initialisation != PoseGraphInitialisation::kGiven) problem.PlaceLandmarks();
   const SolveSummary summary = SolveProblem(graph, options, problem);
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;
   result.converged = summary.converged;
   result.iterations = summary.iterations;
-  result.poses = problem.Poses();
-  for (size_t k = 0; k < graph.edges.size(); ++k) {
-    result.weights.push_back(problem.Weight(static_cast<int>(k)));
-    result.chi_squares.push_back(problem.ChiSquare(static_cast<int>(k)));
+  PoseGraphEstimate estimate = problem.Estimate();
+  result.poses = std::move(estimate.poses);
+  result.landmarks = std::move(estimate.landmarks);
+  const int num_edges = static_cast<int>(graph.edges.size());
+  for (int k = 0; k < problem.NumMeasurements(); ++k) {
+    (k < num_edges ? result.weights : result.sighting_weights).push_back(problem.Weight(k));
+    (k < num_edges ? result.chi_squares : result.sighting_chi_squares)
+        .push_back(problem.ChiSquare(k));
   }
-  result.number_of_components = CountComponents(graph);
+  result.number_of_components = problem.NumComponents();
   result.seconds = SecondsSince(begin);
   return result;
 }

@@ -1,17 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/estimation/relative_pose_error.h"
 
-#include "Eigen/Cholesky"
-#include "Eigen/Eigenvalues"
-
 namespace overtone {
 namespace {
 
 using PoseJacobian = Eigen::Matrix<double, 6, kPoseBlockSize, Eigen::RowMajor>;
-
-// Relative to the largest entry or eigenvalue.
-constexpr double kAsymmetryTolerance = 1e-6;
-constexpr double kNegativeEigenvalueTolerance = 1e-9;
 
 }  // namespace
 
@@ -23,24 +16,6 @@ void WritePoseBlock(const Rigid3d& pose, double* block) {
 Rigid3d ReadPoseBlock(const double* block) {
   return Rigid3d(Eigen::Map<const Eigen::Quaterniond>(block),
                  Eigen::Map<const Eigen::Vector3d>(block + 4));
-}
-
-absl::StatusOr<Matrix6d> SquareRootInformation(const Matrix6d& information) {
-  if (!information.allFinite()) {
-    return absl::InvalidArgumentError("information matrix is not finite");
-  }
-  const double scale = information.cwiseAbs().maxCoeff();
-  if ((information - information.transpose()).cwiseAbs().maxCoeff() > kAsymmetryTolerance * scale) {
-    return absl::InvalidArgumentError("information matrix is not symmetric");
-  }
-  const Eigen::LLT<Matrix6d> cholesky(information);
-  if (cholesky.info() == Eigen::Success) return Matrix6d(cholesky.matrixU());
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
-  const Vector6d& values = eigen.eigenvalues();
-  if (eigen.info() != Eigen::Success || values(0) < -kNegativeEigenvalueTolerance * scale) {
-    return absl::InvalidArgumentError("information matrix is not positive semi-definite");
-  }
-  return Matrix6d(values.cwiseMax(0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose());
 }
 
 bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {

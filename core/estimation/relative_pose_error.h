@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The residual of one measured relative pose, for Ceres, with analytic Jacobians on SE(3).
 //
-//     r = S * Log(Z^-1 * T_i^-1 * T_j),   S = L^T, information = L * L^T, so that |r|^2 = e^T
-//     information e
+//     r = S * Log(Z^-1 * T_i^-1 * T_j),   S by square_root_information.h
 //
 // A pose is a block of 7 doubles, [qx qy qz qw tx ty tz], moved on the right: T <- T * Exp(delta),
 // delta = [rho; phi]. With e = Log(Z^-1 T_i^-1 T_j) and Jr the right Jacobian of SE(3) (Barfoot,
@@ -13,7 +12,6 @@
 #ifndef OVERTONE_CORE_ESTIMATION_RELATIVE_POSE_ERROR_H_
 #define OVERTONE_CORE_ESTIMATION_RELATIVE_POSE_ERROR_H_
 
-#include "absl/status/statusor.h"
 #include "ceres/manifold.h"
 #include "ceres/sized_cost_function.h"
 #include "overtone/core/geometry/se3.h"
@@ -24,10 +22,6 @@ constexpr int kPoseBlockSize = 7;
 
 void WritePoseBlock(const Rigid3d& pose, double* block);
 Rigid3d ReadPoseBlock(const double* block);
-
-// S with S^T * S = information: the transposed Cholesky factor; for a semi-definite matrix the one
-// by eigenvalues. InvalidArgument: not finite, not symmetric, or an eigenvalue clearly below 0.
-absl::StatusOr<Matrix6d> SquareRootInformation(const Matrix6d& information);
 
 // SE(3) with right perturbations. Ceres needs only the product of a residual's Jacobian and
 // PlusJacobian; both are written in the tangent directly: PlusJacobian is [I_6; 0], and the

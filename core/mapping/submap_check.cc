@@ -6,7 +6,7 @@
 #include "Eigen/LU"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
-#include "overtone/core/estimation/relative_pose_error.h"
+#include "overtone/core/estimation/square_root_information.h"
 
 namespace overtone {
 namespace {
@@ -37,7 +37,7 @@ absl::Status CheckCovariance(const Matrix6d& covariance, absl::string_view field
   // Both must factorise: a covariance may be so small or so ill-conditioned that its inverse is
   // useless.
   if (covariance.llt().info() != Eigen::Success || !SquareRootInformation(covariance).ok() ||
-      !SquareRootInformation(covariance.inverse()).ok()) {
+      !SquareRootInformation(Matrix6d(covariance.inverse())).ok()) {
     return Invalid(field, "not symmetric positive definite");
   }
   return absl::OkStatus();

@@ -7,6 +7,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "overtone/core/estimation/pose_graph_check.h"
 #include "overtone/tests/core/estimation/pose_graph_test_support.h"
 
 namespace overtone {
@@ -175,6 +176,10 @@ class BadGraphTest : public ::testing::TestWithParam<BadGraph> {};
 TEST_P(BadGraphTest, IsRefusedByName) {
   std::mt19937 random(7);
   PoseGraph graph = RandomWalk(12, 0.02, random);
+  graph.landmarks.assign(3, Eigen::Vector3d::Zero());
+  graph.sightings.resize(5);
+  for (PointSighting& sighting : graph.sightings) sighting.landmark = 2;
+  ASSERT_TRUE(CheckPoseGraph(graph).ok()) << CheckPoseGraph(graph);
   GetParam().spoil(graph);
   for (const auto initialisation :
        {PoseGraphInitialisation::kGiven, PoseGraphInitialisation::kSpanningTree,
@@ -215,6 +220,29 @@ INSTANTIATE_TEST_SUITE_P(
                  [](PoseGraph& g) { g.edges[6].information(1, 2) = kNan; }},
         BadGraph{"InformationIndefinite", "edges[6]: information matrix is not positive",
                  [](PoseGraph& g) { g.edges[6].information(5, 5) = -1; }},
+        BadGraph{"LandmarkNan", "landmarks[2]: not finite",
+                 [](PoseGraph& g) { g.landmarks[2].y() = kNan; }},
+        BadGraph{"SightingPose", "sightings[1]: pose = 12 is out of range",
+                 [](PoseGraph& g) { g.sightings[1].pose = 12; }},
+        BadGraph{"SightingLandmark", "sightings[1]: landmark = 3 is out of range",
+                 [](PoseGraph& g) { g.sightings[1].landmark = 3; }},
+        BadGraph{"SightingNegativeLandmark", "sightings[1]: landmark = -2 is out of range",
+                 [](PoseGraph& g) { g.sightings[1].landmark = -2; }},
+        BadGraph{"SightingOfNothing", "sightings[1]: target_pose = -1 is out of range",
+                 [](PoseGraph& g) { g.sightings[1].landmark = -1; }},
+        BadGraph{"SightingOfBoth", "sightings[1]: both a landmark and a target pose",
+                 [](PoseGraph& g) { g.sightings[1].target_pose = 3; }},
+        BadGraph{"SightingOfItself", "sightings[1]: both ends",
+                 [](PoseGraph& g) {
+                   g.sightings[1].landmark = -1;
+                   g.sightings[1].target_pose = g.sightings[1].pose;
+                 }},
+        BadGraph{"SightingNan", "sightings[4]: point_in_pose: not finite",
+                 [](PoseGraph& g) { g.sightings[4].point_in_pose.x() = kNan; }},
+        BadGraph{"SightingTargetHuge", "sightings[4]: point_in_target: translation exceeds",
+                 [](PoseGraph& g) { g.sightings[4].point_in_target.x() = 1e300; }},
+        BadGraph{"SightingIndefinite", "sightings[4]: information matrix is not positive",
+                 [](PoseGraph& g) { g.sightings[4].information(2, 2) = -1; }},
         BadGraph{"InformationAsymmetric", "edges[6]: information matrix is not symmetric",
                  [](PoseGraph& g) { g.edges[6].information(5, 0) = 100; }}),
     [](const auto& info) { return info.param.name; });
@@ -225,6 +253,12 @@ TEST(PoseGraphOptimizer, RefusesOptionsOutOfRange) {
   EXPECT_FALSE(OptimizePoseGraph(PoseGraph(), options).ok());
   options = {};
   options.initial_weights = {1};
+  EXPECT_FALSE(OptimizePoseGraph(PoseGraph(), options).ok());
+  options = {};
+  options.initial_sighting_weights = {1};
+  EXPECT_FALSE(OptimizePoseGraph(PoseGraph(), options).ok());
+  options = {};
+  options.sighting_chi_square_limit = 0;
   EXPECT_FALSE(OptimizePoseGraph(PoseGraph(), options).ok());
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "gtest/gtest.h"
+#include "overtone/core/estimation/square_root_information.h"
 #include "overtone/tests/core/estimation/pose_graph_test_support.h"
 
 namespace overtone {
