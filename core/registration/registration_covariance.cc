@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/core/registration/registration_covariance.h"
+
+#include <cmath>
+#include <limits>
+
+#include "Eigen/Eigenvalues"
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/core/registration/surface_information.h"
+
+namespace overtone {
+namespace {
+
+// A pair in the source's frame.
+struct SurfacePair {
+  Eigen::Vector3d point;
+  Eigen::Vector3d source_normal;
+  Eigen::Vector3d target_normal;  // in the source's half space
+  double residual_m;              // along their mean
+  double measurements;            // that it stands for: independence times agreement of the normals
+};
+
+std::vector<SurfacePair> SurfacePairs(const RegistrationCloud& source,
+                                      const RegistrationCloud& target,
+                                      const Rigid3d& target_from_source,
+                                      const std::vector<int>& target_of_source,
+                                      double max_distance_m) {
+  const Rigid3d source_from_target = target_from_source.Inverse();
+  std::vector<SurfacePair> pairs;
+  for (int i = 0; i < source.size(); ++i) {
+    const int j = target_of_source[i];
+    if (j < 0) continue;
+    const Eigen::Vector3d point = source.points()[i].cast<double>();
+    const Eigen::Vector3d d = source_from_target * target.points()[j].cast<double>() - point;
+    if (d.norm() > max_distance_m) continue;
+    const Eigen::Vector3d n = source.normals()[i].cast<double>();
+    Eigen::Vector3d m = source_from_target.rotation * target.normals()[j].cast<double>();
+    if (n.dot(m) < 0) m = -m;
+    const Eigen::Vector3d mean = (n + m).normalized();
+    const double agreement = mean.dot(SurfaceInformation(n, m) * mean);
+    pairs.push_back({point, n, m, mean.dot(d), agreement * source.independence()[i]});
+  }
+  return pairs;
+}
+
+// Where the measurements are, and how far from there on average (rms).
+struct Extent {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius_m = 0;
+  double measurements = 0;
+};
+
+Extent ExtentOf(const std::vector<SurfacePair>& pairs) {
+  Extent extent;
+  double squares = 0;
+  for (const SurfacePair& pair : pairs) {
+    extent.centre += pair.measurements * pair.point;
+    squares += pair.measurements * pair.point.squaredNorm();
+    extent.measurements += pair.measurements;
+  }
+  extent.centre /= extent.measurements;
+  extent.radius_m = std::sqrt(squares / extent.measurements - extent.centre.squaredNorm());
+  return extent;
+}
+
+// In the tangent [rho; radius * phi] at the centre: every entry is a number of measurements.
+Matrix6d Information(const std::vector<SurfacePair>& pairs, const Extent& extent) {
+  Matrix6d information = Matrix6d::Zero();
+  for (const SurfacePair& pair : pairs) {
+    const Eigen::Vector3d arm = (pair.point - extent.centre) / extent.radius_m;
+    Vector6d along_n, along_m;
+    along_n << pair.source_normal, arm.cross(pair.source_normal);
+    along_m << pair.target_normal, arm.cross(pair.target_normal);
+    information +=
+        pair.measurements / 2 * (along_n * along_m.transpose() + along_m * along_n.transpose());
+  }
+  return information;
+}
+
+double ResidualRms(const std::vector<SurfacePair>& pairs) {
+  double squares = 0;
+  for (const SurfacePair& pair : pairs) squares += pair.residual_m * pair.residual_m;
+  return std::sqrt(squares / static_cast<double>(pairs.size()));
+}
+
+// The inverse of `information`, with `open_variance` along eigenvectors that have less than
+// `least`.
+struct Inverse {
+  Eigen::MatrixXd covariance;
+  int open_directions = 0;
+};
+
+Inverse Invert(const Eigen::MatrixXd& information, double variance, double least,
+               double open_variance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
+  Inverse inverse;
+  Eigen::VectorXd variances(information.rows());
+  for (int k = 0; k < variances.size(); ++k) {
+    const bool open = !(eigen.eigenvalues()(k) > least);
+    variances(k) = open ? open_variance : variance / eigen.eigenvalues()(k);
+    inverse.open_directions += open;
+  }
+  const Eigen::MatrixXd& vectors = eigen.eigenvectors();
+  inverse.covariance = vectors * variances.asDiagonal() * vectors.transpose();
+  return inverse;
+}
+
+// From the tangent at the centre to that of the body frame: rho = rho_c + c x phi.
+Matrix6d BodyFromCentre(const Extent& extent) {
+  Matrix6d body_from_centre = Matrix6d::Identity();
+  body_from_centre.topRightCorner<3, 3>() = Skew(extent.centre) / extent.radius_m;
+  body_from_centre.bottomRightCorner<3, 3>() /= extent.radius_m;
+  return body_from_centre;
+}
+
+Vector6d Squares(double translation, double rotation) {
+  Vector6d squares;
+  squares << Eigen::Vector3d::Constant(translation * translation),
+      Eigen::Vector3d::Constant(rotation * rotation);
+  return squares;
+}
+
+absl::Status CheckPositive(double value, absl::string_view name) {
+  if (value > 0 && std::isfinite(value)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      absl::StrCat("CovarianceOptions.", name, " = ", value, ": must be positive"));
+}
+
+}  // namespace
+
+absl::Status CovarianceOptions::Validate() const {
+  RETURN_IF_ERROR(CheckPositive(min_share, "min_share"));
+  RETURN_IF_ERROR(CheckPositive(systematic_m, "systematic_m"));
+  RETURN_IF_ERROR(CheckPositive(systematic_rad, "systematic_rad"));
+  RETURN_IF_ERROR(CheckPositive(open_m, "open_m"));
+  RETURN_IF_ERROR(CheckPositive(held_m, "held_m"));
+  return CheckPositive(held_rad, "held_rad");
+}
+
+RegistrationCovariance EstimateCovariance(const RegistrationCloud& source,
+                                          const RegistrationCloud& target,
+                                          const Rigid3d& target_from_source,
+                                          const std::vector<int>& target_of_source,
+                                          double max_distance_m, const CovarianceOptions& options) {
+  const bool planar = source.planar() && target.planar();
+  const std::vector<int> free =
+      planar ? std::vector<int>{0, 1, 5} : std::vector<int>{0, 1, 2, 3, 4, 5};
+  const std::vector<int> held = planar ? std::vector<int>{2, 3, 4} : std::vector<int>{};
+  RegistrationCovariance result;
+  result.open_directions = static_cast<int>(free.size());
+  result.covariance.diagonal() = Squares(options.open_m, M_PI);
+  const std::vector<SurfacePair> pairs =
+      SurfacePairs(source, target, target_from_source, target_of_source, max_distance_m);
+  const Extent extent = ExtentOf(pairs);
+  if (extent.radius_m > 0) {  // else no two pairs
+    result.residual_m = ResidualRms(pairs);
+    const Inverse inverse =
+        Invert(Information(pairs, extent)(free, free), result.residual_m * result.residual_m,
+               options.min_share * extent.measurements, options.open_m * options.open_m);
+    result.open_directions = inverse.open_directions;
+    Matrix6d at_centre = Matrix6d::Zero();
+    at_centre(free, free) = inverse.covariance;
+    const Matrix6d body_from_centre = BodyFromCentre(extent);
+    result.covariance = body_from_centre * at_centre * body_from_centre.transpose();
+    result.covariance.diagonal() += Squares(options.systematic_m, options.systematic_rad);
+  }
+  const Vector6d held_variances = Squares(options.held_m, options.held_rad);
+  for (const int k : held) {
+    result.covariance.row(k).setZero();
+    result.covariance.col(k).setZero();
+    result.covariance(k, k) = held_variances(k);
+  }
+  return result;
+}
+
+}  // namespace overtone

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// How well the surfaces that two clouds share determine the motion between them.
+//
+// A pair of points with normals n and m (of one sign) measures the motion along them; the sum over
+// the pairs of J^T (n m^T + m n^T) / 2 J, J = [I, -p^], is their information in units of
+// measurements. Taking one normal from each cloud makes the error of the normals cancel: with n n^T
+// it would hold the axis of a corridor that nothing holds. Its eigenvalues, rotation scaled by the
+// lever arm of the points, are the numbers of measurements along the eigenvectors.
+#ifndef OVERTONE_CORE_REGISTRATION_REGISTRATION_COVARIANCE_H_
+#define OVERTONE_CORE_REGISTRATION_REGISTRATION_COVARIANCE_H_
+
+#include <limits>
+#include <vector>
+
+#include "overtone/core/geometry/se3.h"
+#include "overtone/core/registration/registration_cloud.h"
+
+namespace overtone {
+
+struct CovarianceOptions {
+  // A direction is open when less than this share of the measurements speaks for it.
+  double min_share = 0.01;
+  // What no number of points averages out: calibration, distortion of the scan.
+  double systematic_m = 0.005;
+  double systematic_rad = 0.001;
+  // Standard deviation along an open direction; of a rotation, at the points' distance.
+  double open_m = 100;
+  // Of what planar clouds hold: z, roll and pitch.
+  double held_m = 0.01;
+  double held_rad = 0.002;
+
+  absl::Status Validate() const;  // InvalidArgument naming the member
+};
+
+struct RegistrationCovariance {
+  Matrix6d covariance = Matrix6d::Identity();  // right tangent of target_from_source
+  int open_directions = 6;
+  double residual_m = std::numeric_limits<double>::infinity();  // rms along the normals
+};
+
+// Of the pairs no further apart than max_distance_m. target_of_source: for each source point its
+// counterpart or -1.
+RegistrationCovariance EstimateCovariance(const RegistrationCloud& source,
+                                          const RegistrationCloud& target,
+                                          const Rigid3d& target_from_source,
+                                          const std::vector<int>& target_of_source,
+                                          double max_distance_m, const CovarianceOptions& options);
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CORE_REGISTRATION_REGISTRATION_COVARIANCE_H_
