@@ -38,19 +38,33 @@ AdminClient::AdminClient(std::string server, absl::Duration timeout)
       timeout_(timeout),
       stub_(v1::MapAdminService::NewStub(CreateAdminChannel(server_))) {}
 
-absl::StatusOr<std::vector<v1::MapSummary>> AdminClient::ListMaps() {
-  v1::ListMapsRequest request;
+template <typename Request, typename Response>
+absl::StatusOr<Response> AdminClient::Call(Method<Request, Response> method,
+                                           const Request& request) {
+  grpc::ClientContext context;
+  Prepare(&context, timeout_);
+  Response response;
+  RETURN_IF_ERROR(Named(server_, (stub_.get()->*method)(&context, request, &response)));
+  return response;
+}
+
+template <typename Item, typename Request, typename Response>
+absl::StatusOr<std::vector<Item>> AdminClient::AllPages(
+    Method<Request, Response> method, Request request,
+    const google::protobuf::RepeatedPtrField<Item>& (Response::*items)() const) {
   request.set_page_size(kPageSize);
-  std::vector<v1::MapSummary> maps;
+  std::vector<Item> all;
   do {
-    grpc::ClientContext context;
-    Prepare(&context, timeout_);
-    v1::ListMapsResponse response;
-    RETURN_IF_ERROR(Named(server_, stub_->ListMaps(&context, request, &response)));
-    maps.insert(maps.end(), response.maps().begin(), response.maps().end());
+    ASSIGN_OR_RETURN(const Response response, Call(method, request));
+    all.insert(all.end(), (response.*items)().begin(), (response.*items)().end());
     request.set_page_token(response.next_page_token());
   } while (!request.page_token().empty());
-  return maps;
+  return all;
+}
+
+absl::StatusOr<std::vector<v1::MapSummary>> AdminClient::ListMaps() {
+  return AllPages(&v1::MapAdminService::Stub::ListMaps, v1::ListMapsRequest(),
+                  &v1::ListMapsResponse::maps);
 }
 
 absl::StatusOr<v1::MapSummary> AdminClient::GetMap(const std::string& map) {
@@ -64,35 +78,55 @@ absl::StatusOr<v1::MapSummary> AdminClient::GetMap(const std::string& map) {
 absl::StatusOr<std::vector<v1::Mission>> AdminClient::ListMissions(const std::string& map) {
   v1::ListMissionsRequest request;
   request.set_map(map);
-  request.set_page_size(kPageSize);
-  std::vector<v1::Mission> missions;
-  do {
-    grpc::ClientContext context;
-    Prepare(&context, timeout_);
-    v1::ListMissionsResponse response;
-    RETURN_IF_ERROR(Named(server_, stub_->ListMissions(&context, request, &response)));
-    missions.insert(missions.end(), response.missions().begin(), response.missions().end());
-    request.set_page_token(response.next_page_token());
-  } while (!request.page_token().empty());
-  return missions;
+  return AllPages(&v1::MapAdminService::Stub::ListMissions, request,
+                  &v1::ListMissionsResponse::missions);
 }
 
 absl::StatusOr<std::vector<v1::LoopClosureStatus>> AdminClient::ListLoopClosures(
     const std::string& map) {
   v1::ListLoopClosuresRequest request;
   request.set_map(map);
-  request.set_page_size(kPageSize);
-  std::vector<v1::LoopClosureStatus> closures;
-  do {
-    grpc::ClientContext context;
-    Prepare(&context, timeout_);
-    v1::ListLoopClosuresResponse response;
-    RETURN_IF_ERROR(Named(server_, stub_->ListLoopClosures(&context, request, &response)));
-    closures.insert(closures.end(), response.loop_closures().begin(),
-                    response.loop_closures().end());
-    request.set_page_token(response.next_page_token());
-  } while (!request.page_token().empty());
-  return closures;
+  return ListLoopClosures(request);
+}
+
+absl::StatusOr<std::vector<v1::LoopClosureStatus>> AdminClient::ListLoopClosures(
+    v1::ListLoopClosuresRequest request) {
+  return AllPages(&v1::MapAdminService::Stub::ListLoopClosures, std::move(request),
+                  &v1::ListLoopClosuresResponse::loop_closures);
+}
+
+absl::StatusOr<v1::ExplainLoopClosuresResponse> AdminClient::ExplainLoopClosures(
+    const v1::ExplainLoopClosuresRequest& request) {
+  return Call(&v1::MapAdminService::Stub::ExplainLoopClosures, request);
+}
+
+absl::Status AdminClient::VetoLoopClosure(const std::string& map, const std::string& id) {
+  v1::VetoLoopClosureRequest request;
+  request.set_map(map);
+  request.set_id(id);
+  return Call(&v1::MapAdminService::Stub::VetoLoopClosure, request).status();
+}
+
+absl::Status AdminClient::ForceLoopClosure(const std::string& map, const std::string& id) {
+  v1::ForceLoopClosureRequest request;
+  request.set_map(map);
+  request.set_id(id);
+  return Call(&v1::MapAdminService::Stub::ForceLoopClosure, request).status();
+}
+
+absl::StatusOr<std::vector<v1::Revision>> AdminClient::ListRevisions(const std::string& map) {
+  v1::ListRevisionsRequest request;
+  request.set_map(map);
+  return AllPages(&v1::MapAdminService::Stub::ListRevisions, request,
+                  &v1::ListRevisionsResponse::revisions);
+}
+
+absl::StatusOr<v1::RollBackResponse> AdminClient::RollBack(const std::string& map,
+                                                           uint64_t revision) {
+  v1::RollBackRequest request;
+  request.set_map(map);
+  request.set_revision(revision);
+  return Call(&v1::MapAdminService::Stub::RollBack, request);
 }
 
 absl::StatusOr<v1::GetTrajectoryResponse> AdminClient::GetTrajectory(const std::string& map,
@@ -100,11 +134,7 @@ absl::StatusOr<v1::GetTrajectoryResponse> AdminClient::GetTrajectory(const std::
   v1::GetTrajectoryRequest request;
   request.set_map(map);
   *request.mutable_mission() = ToProto(mission);
-  grpc::ClientContext context;
-  Prepare(&context, timeout_);
-  v1::GetTrajectoryResponse response;
-  RETURN_IF_ERROR(Named(server_, stub_->GetTrajectory(&context, request, &response)));
-  return response;
+  return Call(&v1::MapAdminService::Stub::GetTrajectory, request);
 }
 
 absl::Status AdminClient::ExportMap(const std::string& map, v1::ExportFormat format,

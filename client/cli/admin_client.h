@@ -27,11 +27,32 @@ class AdminClient {
   absl::StatusOr<v1::MapSummary> GetMap(const std::string& map);
   absl::StatusOr<std::vector<v1::Mission>> ListMissions(const std::string& map);
   absl::StatusOr<std::vector<v1::LoopClosureStatus>> ListLoopClosures(const std::string& map);
+  // The map and filters of `request`; all pages.
+  absl::StatusOr<std::vector<v1::LoopClosureStatus>> ListLoopClosures(
+      v1::ListLoopClosuresRequest request);
+  absl::StatusOr<v1::ExplainLoopClosuresResponse> ExplainLoopClosures(
+      const v1::ExplainLoopClosuresRequest& request);
+  absl::Status VetoLoopClosure(const std::string& map, const std::string& id);
+  absl::Status ForceLoopClosure(const std::string& map, const std::string& id);
+  // Newest first.
+  absl::StatusOr<std::vector<v1::Revision>> ListRevisions(const std::string& map);
+  absl::StatusOr<v1::RollBackResponse> RollBack(const std::string& map, uint64_t revision);
   absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const std::string& map,
                                                           const MissionId& mission);
   absl::Status ExportMap(const std::string& map, v1::ExportFormat format, std::ostream* out);
 
  private:
+  template <typename Request, typename Response>
+  using Method = grpc::Status (v1::MapAdminService::Stub::*)(grpc::ClientContext*, const Request&,
+                                                             Response*);
+  template <typename Request, typename Response>
+  absl::StatusOr<Response> Call(Method<Request, Response> method, const Request& request);
+  // The items of all pages.
+  template <typename Item, typename Request, typename Response>
+  absl::StatusOr<std::vector<Item>> AllPages(
+      Method<Request, Response> method, Request request,
+      const google::protobuf::RepeatedPtrField<Item>& (Response::*items)() const);
+
   std::string server_;
   absl::Duration timeout_;
   std::unique_ptr<v1::MapAdminService::Stub> stub_;

@@ -9,39 +9,18 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "google/protobuf/util/json_util.h"
 #include "overtone/client/cli/admin_client.h"
-#include "overtone/client/cli/exit_code.h"
+#include "overtone/client/cli/admin_flags.h"
 #include "overtone/client/cli/table.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 namespace {
 
-struct AdminFlags {
-  std::string server = "localhost:7077";
-  std::string map = "default";
-  bool json = false;
-  double timeout_s = 10;
+struct ExportFlags : AdminFlags {
   std::string format = "tum";
   std::string out;
-
-  AdminClient Client() const { return AdminClient(server, absl::Seconds(timeout_s)); }
 };
-
-// One message on a line, as protobuf's JSON.
-template <typename Message>
-void PrintJson(const std::vector<Message>& messages) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  for (const Message& message : messages) {
-    std::string text;
-    if (google::protobuf::util::MessageToJsonString(message, &text, options).ok()) {
-      std::cout << text << "\n";
-    }
-  }
-}
 
 absl::Status ShowStatus(const AdminFlags& flags) {
   AdminClient client = flags.Client();
@@ -50,12 +29,22 @@ absl::Status ShowStatus(const AdminFlags& flags) {
     PrintJson(maps);
     return absl::OkStatus();
   }
-  std::vector<std::vector<std::string>> rows = {
-      {"map", "revision", "missions", "components", "keyframes", "closures", "cost", "solve [s]"}};
+  std::vector<std::vector<std::string>> rows = {{"map", "revision", "missions", "components",
+                                                 "keyframes", "in use/candidates", "landmarks",
+                                                 "clouds", "backlog", "cost", "solve [s]"}};
   for (const v1::MapSummary& map : maps) {
+    int64_t in_use = 0;
+    for (const v1::VerdictCount& count : map.verdicts()) {
+      if (count.verdict() == v1::LOOP_CLOSURE_VERDICT_ACCEPTED ||
+          count.verdict() == v1::LOOP_CLOSURE_VERDICT_FORCED_BY_OPERATOR) {
+        in_use += count.count();
+      }
+    }
     rows.push_back({map.map(), absl::StrCat(map.revision()), absl::StrCat(map.missions()),
                     absl::StrCat(map.components()), absl::StrCat(map.keyframes()),
-                    absl::StrCat(map.loop_closures()), absl::StrFormat("%.4g", map.cost()),
+                    absl::StrCat(in_use, "/", map.loop_closures()), absl::StrCat(map.landmarks()),
+                    absl::StrCat(map.clouds()), absl::StrCat(map.front_end_backlog()),
+                    absl::StrFormat("%.4g", map.cost()),
                     absl::StrFormat("%.3f", map.optimisation_s())});
   }
   std::cout << FormatTable(rows);
@@ -81,40 +70,7 @@ absl::Status ShowMissions(const AdminFlags& flags) {
   return absl::OkStatus();
 }
 
-std::string NodeName(const v1::NodeId& node) {
-  return absl::StrCat(node.mission().robot(), "/", node.mission().mission(), ":", node.index());
-}
-
-std::string VerdictName(v1::LoopClosureVerdict verdict) {
-  switch (verdict) {
-    case v1::LOOP_CLOSURE_VERDICT_ACCEPTED:
-      return "accepted";
-    case v1::LOOP_CLOSURE_VERDICT_DEMOTED_BY_OPTIMISER:
-      return "demoted";
-    default:
-      return "pending";
-  }
-}
-
-absl::Status ShowClosures(const AdminFlags& flags) {
-  AdminClient client = flags.Client();
-  ASSIGN_OR_RETURN(const std::vector<v1::LoopClosureStatus> closures,
-                   client.ListLoopClosures(flags.map));
-  if (flags.json) {
-    PrintJson(closures);
-    return absl::OkStatus();
-  }
-  std::vector<std::vector<std::string>> rows = {{"from", "to", "verdict", "weight", "chi square"}};
-  for (const v1::LoopClosureStatus& closure : closures) {
-    rows.push_back({NodeName(closure.loop_closure().from()), NodeName(closure.loop_closure().to()),
-                    VerdictName(closure.verdict()), absl::StrFormat("%.3f", closure.weight()),
-                    absl::StrFormat("%.2f", closure.chi_square())});
-  }
-  std::cout << FormatTable(rows);
-  return absl::OkStatus();
-}
-
-absl::Status Export(const AdminFlags& flags) {
+absl::Status Export(const ExportFlags& flags) {
   const auto format = flags.format == "g2o" ? v1::EXPORT_FORMAT_G2O : v1::EXPORT_FORMAT_TUM;
   AdminClient client = flags.Client();
   std::ofstream file(flags.out, std::ios::binary);
@@ -122,39 +78,19 @@ absl::Status Export(const AdminFlags& flags) {
   return client.ExportMap(flags.map, format, &file);
 }
 
-CLI::App* AddCommand(CLI::App* app, const std::string& name, const std::string& what,
-                     absl::Status (*view)(const AdminFlags&), std::shared_ptr<AdminFlags> flags,
-                     std::function<int()>* run) {
-  CLI::App* command = app->add_subcommand(name, what);
-  command->add_option("--server", flags->server, "host:port of the mapping server")
-      ->capture_default_str();
-  command->add_option("--timeout", flags->timeout_s, "Seconds to wait for the server")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->callback([=] {
-    *run = [=] {
-      const absl::Status status = view(*flags);
-      return status.ok() ? 0 : Fail(name, status);
-    };
-  });
-  return command;
-}
-
 }  // namespace
 
 void AddAdminCommands(CLI::App* app, std::function<int()>* run) {
-  const auto add = [&](const std::string& name, const std::string& what,
-                       absl::Status (*view)(const AdminFlags&), bool one_map, bool json) {
-    auto flags = std::make_shared<AdminFlags>();
-    CLI::App* command = AddCommand(app, name, what, view, flags, run);
-    if (one_map) command->add_option("--map", flags->map, "Map")->capture_default_str();
-    if (json) command->add_flag("--json", flags->json, "One JSON object per line");
-    return std::make_pair(command, flags);
-  };
-  add("status", "List a server's maps", ShowStatus, false, true);
-  add("missions", "List a map's missions", ShowMissions, true, true);
-  add("closures", "List a map's loop closures with their verdicts", ShowClosures, true, true);
-  const auto [command, flags] = add("export", "Write a map to a file", Export, true, false);
+  const auto flags = std::make_shared<ExportFlags>();
+  AddAdminCommand(
+      app, "status", "List a server's maps", {/*map=*/false, /*json=*/true}, flags.get(),
+      [flags] { return ShowStatus(*flags); }, run);
+  AddAdminCommand(
+      app, "missions", "List a map's missions", {/*map=*/true, /*json=*/true}, flags.get(),
+      [flags] { return ShowMissions(*flags); }, run);
+  CLI::App* command = AddAdminCommand(
+      app, "export", "Write a map to a file", {/*map=*/true, /*json=*/false}, flags.get(),
+      [flags] { return Export(*flags); }, run);
   command->add_option("--format", flags->format, "tum or g2o")
       ->check(CLI::IsMember({"tum", "g2o"}))
       ->capture_default_str();

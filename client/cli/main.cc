@@ -3,6 +3,7 @@
 
 #include "CLI/CLI.hpp"
 #include "overtone/client/cli/admin_commands.h"
+#include "overtone/client/cli/closure_commands.h"
 #include "overtone/client/cli/replay_command.h"
 #include "overtone/client/cli/robot_command.h"
 
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   overtone::AddReplayCommand(&app, &run);
   overtone::AddRobotCommand(&app, &run);
   overtone::AddAdminCommands(&app, &run);
+  overtone::AddClosureCommands(&app, &run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -14,13 +14,18 @@ constexpr double kOpenRotationVariance = 1e4;  // rad^2: any heading
 }  // namespace
 
 const std::vector<ClosureVerdict>& AllClosureVerdicts() {
-  static const auto* const verdicts = new std::vector<ClosureVerdict>{
-      ClosureVerdict::kPending,          ClosureVerdict::kAccepted,
-      ClosureVerdict::kDemotedByOptimiser, ClosureVerdict::kQuarantined,
-      ClosureVerdict::kRejectedScore,    ClosureVerdict::kRejectedOverlap,
-      ClosureVerdict::kRejectedResidual, ClosureVerdict::kRejectedDegenerate,
-      ClosureVerdict::kRejectedInconsistent, ClosureVerdict::kVetoedByOperator,
-      ClosureVerdict::kForcedByOperator};
+  static const auto* const verdicts =
+      new std::vector<ClosureVerdict>{ClosureVerdict::kPending,
+                                      ClosureVerdict::kAccepted,
+                                      ClosureVerdict::kDemotedByOptimiser,
+                                      ClosureVerdict::kQuarantined,
+                                      ClosureVerdict::kRejectedScore,
+                                      ClosureVerdict::kRejectedOverlap,
+                                      ClosureVerdict::kRejectedResidual,
+                                      ClosureVerdict::kRejectedDegenerate,
+                                      ClosureVerdict::kRejectedInconsistent,
+                                      ClosureVerdict::kVetoedByOperator,
+                                      ClosureVerdict::kForcedByOperator};
   return *verdicts;
 }
 

@@ -92,8 +92,8 @@ void MultiRobotMap::State::InsertCandidate(const LoopCandidate& candidate) {
   }
   const int position = static_cast<int>(closures.size());
   ClosureRecord& record = closures.emplace_back();
-  record.id = absl::StrCat(ToString(candidate.from), ">", ToString(candidate.to), "#",
-                           same_ends.size());
+  record.id =
+      absl::StrCat(ToString(candidate.from), ">", ToString(candidate.to), "#", same_ends.size());
   record.candidate = candidate;
   record.verdict = JudgeFigures(candidate);
   record.since_revision = revision + 1;

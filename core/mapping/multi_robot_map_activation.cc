@@ -58,8 +58,8 @@ void MultiRobotMap::State::Locate(SightingRecord& sighting) const {
     sighting.target = {mission.id, before - keyframes.begin()};
     sighting.point_in_target = Eigen::Vector3d::Zero();
     if (after != keyframes.end()) {
-      const double share = SecondsBetween(before->stamp, stamp) /
-                           SecondsBetween(before->stamp, after->stamp);
+      const double share =
+          SecondsBetween(before->stamp, stamp) / SecondsBetween(before->stamp, after->stamp);
       const Rigid3d motion = before->mission_from_body.Inverse() * after->mission_from_body;
       sighting.point_in_target = Exp(share * Log(motion)).translation;
     }

@@ -53,10 +53,10 @@ void MultiRobotMap::State::AddClosureTies(Joining joining, TiesOfFrames& ties_of
     Ties& ties = ties_of_frames[InOrder(from, to)];
     if (RotationIsOpen(candidate.covariance)) {
       const Eigen::Matrix3d covariance = candidate.covariance.topLeftCorner<3, 3>();
-      ties.points.push_back(MakePointTie(
-          from, *PoseOf(candidate.from) * candidate.from_tform_to.translation,
-          PoseOf(candidate.to)->translation, to,
-          Tolerance(covariance, options.point_alignment_tolerance_m)));
+      ties.points.push_back(
+          MakePointTie(from, *PoseOf(candidate.from) * candidate.from_tform_to.translation,
+                       PoseOf(candidate.to)->translation, to,
+                       Tolerance(covariance, options.point_alignment_tolerance_m)));
     } else {
       ties.poses.push_back(TieOf(candidate));
       ties.closures.push_back(k);
@@ -95,10 +95,10 @@ void MultiRobotMap::State::AddSightingTies(TiesOfFrames& ties_of_frames) const {
     const int observer = FrameOf(sighting.observer), target = FrameOf(sighting.target);
     if (observer == target) continue;
     Ties& ties = ties_of_frames[InOrder(observer, target)];
-    ties.points.push_back(MakePointTie(
-        observer, *PoseOf(sighting.observer) * sighting.point_in_body,
-        *PoseOf(sighting.target) * sighting.point_in_target, target,
-        Tolerance(sighting.covariance, options.point_alignment_tolerance_m)));
+    ties.points.push_back(
+        MakePointTie(observer, *PoseOf(sighting.observer) * sighting.point_in_body,
+                     *PoseOf(sighting.target) * sighting.point_in_target, target,
+                     Tolerance(sighting.covariance, options.point_alignment_tolerance_m)));
     ties.may_join = true;
   }
 }
@@ -145,8 +145,7 @@ bool MultiRobotMap::State::JoinBestTiedFrames(Joining joining, std::vector<int>&
   int best_closure = -1;
   for (const auto& [frames, ties] : CollectTies(joining)) {
     if (!ties.may_join) continue;
-    const bool closures_suffice =
-        ties.certain || ties.support >= options.min_consistent_closures;
+    const bool closures_suffice = ties.certain || ties.support >= options.min_consistent_closures;
     const FrameAlignment alignment =
         AlignFrames(closures_suffice ? ties.poses : std::vector<FrameTie>(), ties.points,
                     options.closure_chi_square_limit);
@@ -210,8 +209,8 @@ void MultiRobotMap::State::SplitFrames() {
                         static_cast<int>(element_of_landmark.size());
     element_of_landmark[frame_and_id] = element;
   }
-  ConnectedComponents components(
-      first_mission + static_cast<int>(missions.size() + element_of_landmark.size()));
+  ConnectedComponents components(first_mission +
+                                 static_cast<int>(missions.size() + element_of_landmark.size()));
   const auto element_of = [&](const NodeId& node) { return first_mission + PositionOf(node); };
   for (const ClosureRecord& record : closures) {
     if (!InUse(record.verdict)) continue;

@@ -42,10 +42,9 @@ void MultiRobotMap::State::AddClosures(MapProblem& problem) const {
     const EdgeKind kind = record.verdict == ClosureVerdict::kForcedByOperator
                               ? EdgeKind::kOdometry
                               : EdgeKind::kLoopClosure;
-    problem.graph.edges.push_back(
-        {RowOf(problem, PositionOf(candidate.from), candidate.from.index),
-         RowOf(problem, PositionOf(candidate.to), candidate.to.index), candidate.from_tform_to,
-         candidate.covariance.inverse(), kind});
+    problem.graph.edges.push_back({RowOf(problem, PositionOf(candidate.from), candidate.from.index),
+                                   RowOf(problem, PositionOf(candidate.to), candidate.to.index),
+                                   candidate.from_tform_to, candidate.covariance.inverse(), kind});
   }
 }
 
@@ -56,8 +55,8 @@ void MultiRobotMap::State::AddAbsolutes(MapProblem& problem) const {
     if (FrameOf(absolute.node) != kWorld) continue;
     problem.edge_of_absolute[k] = static_cast<int>(problem.graph.edges.size());
     problem.graph.edges.push_back(
-        {0, RowOf(problem, PositionOf(absolute.node), absolute.node.index),
-         absolute.map_from_body, absolute.covariance.inverse(), EdgeKind::kLoopClosure});
+        {0, RowOf(problem, PositionOf(absolute.node), absolute.node.index), absolute.map_from_body,
+         absolute.covariance.inverse(), EdgeKind::kLoopClosure});
   }
 }
 

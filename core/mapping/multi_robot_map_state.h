@@ -46,7 +46,7 @@ struct AbsoluteRecord {
 
 // The pose graph of the whole map, and where each of its parts came from.
 struct MapProblem {
-  PoseGraph graph;  // pose 0 is the world, which absolute poses refer to
+  PoseGraph graph;                    // pose 0 is the world, which absolute poses refer to
   std::vector<int> first_pose;        // of each mission
   std::vector<int> edge_of_closure;   // -1: not in play
   std::vector<int> edge_of_absolute;  // -1: its mission is in a frame of its own as yet

@@ -82,8 +82,8 @@ absl::StatusOr<std::set<std::string>> RevisionHistory::InUseAt(uint64_t revision
     for (const std::string& id : record->accepted) ids.erase(id);
     ids.insert(record->dropped.begin(), record->dropped.end());
   }
-  return absl::NotFoundError(absl::StrCat("revision: ", revision,
-                                          " is not among those kept of the present epoch"));
+  return absl::NotFoundError(
+      absl::StrCat("revision: ", revision, " is not among those kept of the present epoch"));
 }
 
 }  // namespace overtone

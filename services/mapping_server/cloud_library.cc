@@ -15,10 +15,9 @@ void CloudLibrary::AddSubmap(const MissionId& mission, const Submap& submap) {
   for (const Keyframe& keyframe : submap.keyframes) {
     double travelled_m = 0;
     if (!entries.empty()) {
-      travelled_m = entries.back().travelled_m +
-                    (keyframe.mission_from_body.translation -
-                     entries.back().mission_from_body.translation)
-                        .norm();
+      travelled_m = entries.back().travelled_m + (keyframe.mission_from_body.translation -
+                                                  entries.back().mission_from_body.translation)
+                                                     .norm();
     }
     entries.push_back({keyframe.mission_from_body, travelled_m, false, nullptr});
   }
@@ -77,11 +76,8 @@ absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const Node
 absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId& node) {
   {
     absl::MutexLock lock(&mutex_);
-    const auto known = view_of_.find(node);
-    if (known != view_of_.end()) {
-      views_.splice(views_.begin(), views_, known->second);
-      return *known->second;
-    }
+    std::shared_ptr<const PlaceView> known = views_.Find(node);
+    if (known != nullptr) return known;
   }
   PlaceView view;
   view.node = node;
@@ -99,13 +95,7 @@ absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId
   view.cloud = std::make_shared<const PointCloud>(std::move(gathered));
   auto shared = std::make_shared<const PlaceView>(std::move(view));
   absl::MutexLock lock(&mutex_);
-  if (view_of_.count(node) > 0) return shared;  // another thread was first
-  views_.push_front(shared);
-  view_of_[node] = views_.begin();
-  if (views_.size() > max_views_) {
-    view_of_.erase(views_.back()->node);
-    views_.pop_back();
-  }
+  views_.Insert(node, shared);
   return shared;
 }
 

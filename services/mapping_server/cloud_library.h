@@ -3,7 +3,6 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_CLOUD_LIBRARY_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_CLOUD_LIBRARY_H_
 
-#include <list>
 #include <map>
 #include <memory>
 #include <string>
@@ -12,6 +11,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "overtone/core/common/lru_cache.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/place_recognition/loop_detection.h"
 
@@ -23,7 +23,7 @@ class CloudLibrary {
   // A view gathers the clouds of the keyframes up to gather_length_m before it; the newest
   // `max_views` views asked for are kept.
   CloudLibrary(double gather_length_m, size_t max_views)
-      : gather_length_m_(gather_length_m), max_views_(max_views) {}
+      : gather_length_m_(gather_length_m), views_(max_views) {}
 
   // Keyframes by odometry, and which of them will have a cloud.
   void AddSubmap(const MissionId& mission, const Submap& submap);
@@ -53,13 +53,9 @@ class CloudLibrary {
   absl::StatusOr<std::vector<Part>> PartsOf(const NodeId& node, double* travelled_m) const;
 
   const double gather_length_m_;
-  const size_t max_views_;
   mutable absl::Mutex mutex_;
   std::map<MissionId, std::vector<KeyframeEntry>> missions_ ABSL_GUARDED_BY(mutex_);
-  // Newest first.
-  std::list<std::shared_ptr<const PlaceView>> views_ ABSL_GUARDED_BY(mutex_);
-  std::map<NodeId, std::list<std::shared_ptr<const PlaceView>>::iterator> view_of_
-      ABSL_GUARDED_BY(mutex_);
+  LruCache<NodeId, PlaceView> views_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace overtone

@@ -66,9 +66,9 @@ absl::StatusOr<GraphEncoding> ReadEncoding(const v1::GraphRequestOptions& option
   return InvalidField("options.encoding", absl::StrCat(options.encoding(), " is not a known one"));
 }
 
-GraphFrames::GraphFrames(std::string map, uint64_t map_epoch, const ServerOptions& options)
+GraphFrames::GraphFrames(std::string map, uint64_t first_epoch, const ServerOptions& options)
     : map_(std::move(map)),
-      map_epoch_(map_epoch),
+      first_epoch_(first_epoch),
       graph_options_(options.graph),
       options_(options.publisher),
       max_message_bytes_(options.limits.max_message_bytes) {}
@@ -78,7 +78,8 @@ void GraphFrames::SetSnapshot(std::shared_ptr<const MapSnapshot> snapshot) {
 }
 
 GraphPosition GraphFrames::position() const {
-  return {map_epoch_, snapshot_ == nullptr ? 0 : snapshot_->revision};
+  if (snapshot_ == nullptr) return {first_epoch_, 0};
+  return {snapshot_->map_epoch, snapshot_->revision};
 }
 
 absl::StatusOr<v1::Graph> GraphFrames::Newest(const GraphQuery& query, GraphEncoding encoding) {
@@ -124,8 +125,9 @@ absl::StatusOr<GraphFrames::Variant*> GraphFrames::Updated(const GraphQuery& que
   if (variants_.count(query) == 0) MakeRoom();
   Variant& variant = variants_[query];
   variant.last_use = ++uses_;
-  const bool current =
-      !variant.history.empty() && variant.history.back().revision == position().revision;
+  const bool current = !variant.history.empty() &&
+                       variant.history.back().map_epoch == position().map_epoch &&
+                       variant.history.back().revision == position().revision;
   if (current) return &variant;
 
   ASSIGN_OR_RETURN(const MapGraph exact, Build(query));

@@ -49,9 +49,9 @@ absl::StatusOr<GraphEncoding> ReadEncoding(const v1::GraphRequestOptions& option
 // Not thread-safe: the publisher's thread owns it.
 class GraphFrames {
  public:
-  GraphFrames(std::string map, uint64_t map_epoch, const ServerOptions& options);
+  GraphFrames(std::string map, uint64_t first_epoch, const ServerOptions& options);
 
-  // `snapshot` is newer than the one before, or the first.
+  // `snapshot` is newer than the one before, or the first, or of a new epoch.
   void SetSnapshot(std::shared_ptr<const MapSnapshot> snapshot);
 
   // The newest revision, 0 before the first snapshot.
@@ -82,7 +82,7 @@ class GraphFrames {
   GraphFormat Format(const GraphQuery& query, GraphEncoding encoding) const;
 
   const std::string map_;
-  const uint64_t map_epoch_;
+  const uint64_t first_epoch_;  // before the first snapshot
   const GraphMonitorOptions graph_options_;
   const PublisherOptions options_;
   const int64_t max_message_bytes_;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/map_admin_service.h"
 
+#include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 
@@ -34,6 +36,36 @@ grpc::ServerUnaryReactor* MapAdminService::ListLoopClosures(
     grpc::CallbackServerContext* context, const v1::ListLoopClosuresRequest* request,
     v1::ListLoopClosuresResponse* response) {
   return Answer(context, overtone::ListLoopClosures(*registry_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::ExplainLoopClosures(
+    grpc::CallbackServerContext* context, const v1::ExplainLoopClosuresRequest* request,
+    v1::ExplainLoopClosuresResponse* response) {
+  return Answer(context, overtone::ExplainLoopClosures(*registry_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::ListRevisions(grpc::CallbackServerContext* context,
+                                                         const v1::ListRevisionsRequest* request,
+                                                         v1::ListRevisionsResponse* response) {
+  return Answer(context, overtone::ListRevisions(*registry_, *request), response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::VetoLoopClosure(
+    grpc::CallbackServerContext* context, const v1::VetoLoopClosureRequest* request,
+    v1::VetoLoopClosureResponse*) {
+  return overtone::VetoLoopClosure(context, *registry_, *request);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::ForceLoopClosure(
+    grpc::CallbackServerContext* context, const v1::ForceLoopClosureRequest* request,
+    v1::ForceLoopClosureResponse*) {
+  return overtone::ForceLoopClosure(context, *registry_, *request);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::RollBack(grpc::CallbackServerContext* context,
+                                                    const v1::RollBackRequest* request,
+                                                    v1::RollBackResponse* response) {
+  return overtone::RollBack(context, *registry_, *request, response);
 }
 
 grpc::ServerUnaryReactor* MapAdminService::GetTrajectory(grpc::CallbackServerContext* context,

@@ -27,6 +27,21 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
   grpc::ServerUnaryReactor* ListLoopClosures(grpc::CallbackServerContext* context,
                                              const v1::ListLoopClosuresRequest* request,
                                              v1::ListLoopClosuresResponse* response) override;
+  grpc::ServerUnaryReactor* ExplainLoopClosures(grpc::CallbackServerContext* context,
+                                                const v1::ExplainLoopClosuresRequest* request,
+                                                v1::ExplainLoopClosuresResponse* response) override;
+  grpc::ServerUnaryReactor* VetoLoopClosure(grpc::CallbackServerContext* context,
+                                            const v1::VetoLoopClosureRequest* request,
+                                            v1::VetoLoopClosureResponse* response) override;
+  grpc::ServerUnaryReactor* ForceLoopClosure(grpc::CallbackServerContext* context,
+                                             const v1::ForceLoopClosureRequest* request,
+                                             v1::ForceLoopClosureResponse* response) override;
+  grpc::ServerUnaryReactor* ListRevisions(grpc::CallbackServerContext* context,
+                                          const v1::ListRevisionsRequest* request,
+                                          v1::ListRevisionsResponse* response) override;
+  grpc::ServerUnaryReactor* RollBack(grpc::CallbackServerContext* context,
+                                     const v1::RollBackRequest* request,
+                                     v1::RollBackResponse* response) override;
   grpc::ServerUnaryReactor* GetTrajectory(grpc::CallbackServerContext* context,
                                           const v1::GetTrajectoryRequest* request,
                                           v1::GetTrajectoryResponse* response) override;

@@ -26,7 +26,7 @@ PoseGraphEdge OdometryEdge(const SnapshotMission& mission, size_t i, int vertex)
   return edge;
 }
 
-PoseGraphEdge ClosureEdge(const LoopClosure& closure,
+PoseGraphEdge ClosureEdge(const LoopCandidate& closure,
                           const std::map<MissionId, int64_t>& first_vertex) {
   PoseGraphEdge edge;
   edge.from = static_cast<int>(first_vertex.at(closure.from.mission) + closure.from.index);
@@ -64,9 +64,9 @@ std::string G2oFileOf(const MapSnapshot& snapshot) {
       if (i > 0) graph.edges.push_back(OdometryEdge(mission, i, vertex));
     }
   }
-  for (const SnapshotClosure& closure : snapshot.closures) {
-    if (closure.verdict != ClosureVerdict::kAccepted) continue;
-    graph.edges.push_back(ClosureEdge(closure.closure, first_vertex));
+  for (const ClosureRecord& record : snapshot.closures) {
+    if (!InUse(record.verdict)) continue;
+    graph.edges.push_back(ClosureEdge(record.candidate, first_vertex));
   }
   std::ostringstream out;
   WriteG2o(out, graph);

@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
-#include "absl/strings/str_format.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/geometry_conversion.h"
 #include "overtone/proto/conversion/id_conversion.h"
-#include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/closure_messages.h"
 #include "overtone/services/mapping_server/pagination.h"
 #include "overtone/services/mapping_server/proto_time.h"
 
@@ -21,11 +20,12 @@ namespace overtone {
 namespace {
 
 v1::MapSummary Summary(const HostedMap& map) {
+  const int64_t backlog = map.backlog();  // before the revision: 0 must mean that it holds all
   const HostedMap::Published published = map.published();
   const MapSnapshot& snapshot = *published.snapshot;
   v1::MapSummary summary;
   summary.set_map(map.id());
-  summary.set_map_epoch(map.epoch());
+  summary.set_map_epoch(snapshot.map_epoch);
   summary.set_revision(snapshot.revision);
   summary.set_missions(static_cast<int32_t>(snapshot.missions.size()));
   int64_t keyframes = 0;
@@ -40,6 +40,11 @@ v1::MapSummary Summary(const HostedMap& map) {
   if (snapshot.revision > 0) *summary.mutable_published() = ToProto(published.time);
   summary.set_cost(snapshot.final_cost);
   summary.set_optimisation_s(snapshot.optimisation_s);
+  summary.set_front_end_backlog(backlog);
+  summary.set_landmarks(static_cast<int32_t>(snapshot.landmarks.size()));
+  std::map<ClosureVerdict, int64_t> verdicts;
+  for (const ClosureRecord& record : snapshot.closures) ++verdicts[record.verdict];
+  *summary.mutable_verdicts() = ToProto(verdicts);
   return summary;
 }
 
@@ -83,36 +88,6 @@ v1::Mission Describe(const SnapshotMission& mission) {
   message.set_path_m(PathLengthM(mission));
   *message.mutable_map_tform_mission() = ToProto(mission.map_from_mission);
   return message;
-}
-
-v1::LoopClosureVerdict ToProto(ClosureVerdict verdict) {
-  switch (verdict) {
-    case ClosureVerdict::kPending:
-      return v1::LOOP_CLOSURE_VERDICT_PENDING;
-    case ClosureVerdict::kAccepted:
-      return v1::LOOP_CLOSURE_VERDICT_ACCEPTED;
-    case ClosureVerdict::kDemotedByOptimiser:
-      return v1::LOOP_CLOSURE_VERDICT_DEMOTED_BY_OPTIMISER;
-  }
-  return v1::LOOP_CLOSURE_VERDICT_UNSPECIFIED;
-}
-
-v1::LoopClosureStatus Describe(const SnapshotClosure& closure) {
-  v1::LoopClosureStatus message;
-  *message.mutable_loop_closure() = ToProto(closure.closure);
-  message.set_verdict(ToProto(closure.verdict));
-  message.set_weight(closure.weight);
-  message.set_chi_square(closure.chi_square);
-  return message;
-}
-
-bool Matches(const SnapshotClosure& closure, const v1::ListLoopClosuresRequest& request) {
-  const bool verdict = request.verdict() == v1::LOOP_CLOSURE_VERDICT_UNSPECIFIED ||
-                       request.verdict() == ToProto(closure.verdict);
-  const bool robot = request.robot().empty() ||
-                     closure.closure.from.mission.robot == request.robot() ||
-                     closure.closure.to.mission.robot == request.robot();
-  return verdict && robot;
 }
 
 // "robot mission": the blank sorts before every character of an id, so keys sort as ids do.
@@ -187,30 +162,6 @@ absl::StatusOr<v1::ListMissionsResponse> ListMissions(const MapRegistry& registr
   return response;
 }
 
-absl::StatusOr<v1::ListLoopClosuresResponse> ListLoopClosures(
-    const MapRegistry& registry, const v1::ListLoopClosuresRequest& request) {
-  ASSIGN_OR_RETURN(const std::shared_ptr<HostedMap> map, registry.Find(request.map()));
-  RETURN_IF_ERROR(ValidateRobotFilter(request.robot()));
-  if (!v1::LoopClosureVerdict_IsValid(request.verdict())) {
-    return InvalidField("verdict", absl::StrCat(request.verdict(), " is not a known one"));
-  }
-  const std::shared_ptr<const MapSnapshot> snapshot = map->published().snapshot;
-  std::vector<const SnapshotClosure*> closures;
-  std::vector<std::string> keys;
-  for (size_t i = 0; i < snapshot->closures.size(); ++i) {
-    if (!Matches(snapshot->closures[i], request)) continue;
-    closures.push_back(&snapshot->closures[i]);
-    keys.push_back(absl::StrFormat("%012d", i));  // in the order received
-  }
-  ASSIGN_OR_RETURN(Page page, SelectPage(keys, request.page_size(), request.page_token()));
-  v1::ListLoopClosuresResponse response;
-  for (size_t i = page.begin; i < page.end; ++i) {
-    *response.add_loop_closures() = Describe(*closures[i]);
-  }
-  response.set_next_page_token(page.next_page_token);
-  return response;
-}
-
 absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const MapRegistry& registry,
                                                         const v1::GetTrajectoryRequest& request,
                                                         int64_t max_message_bytes) {
@@ -225,7 +176,7 @@ absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const MapRegistry& regis
         absl::StrCat("mission: no ", ToString(id), " in revision ", snapshot->revision));
   }
   v1::GetTrajectoryResponse response;
-  response.set_map_epoch(map->epoch());
+  response.set_map_epoch(snapshot->map_epoch);
   response.set_revision(snapshot->revision);
   response.set_anchored(mission->anchored);
   auto next_start = mission->submap_starts.begin();

@@ -20,8 +20,6 @@ absl::StatusOr<v1::ListRobotsResponse> ListRobots(const MapRegistry& registry,
 // As in the newest revision; likewise below.
 absl::StatusOr<v1::ListMissionsResponse> ListMissions(const MapRegistry& registry,
                                                       const v1::ListMissionsRequest& request);
-absl::StatusOr<v1::ListLoopClosuresResponse> ListLoopClosures(
-    const MapRegistry& registry, const v1::ListLoopClosuresRequest& request);
 // NotFound: no such mission. ResourceExhausted: does not fit into a message; ExportMap has no such
 // limit.
 absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const MapRegistry& registry,

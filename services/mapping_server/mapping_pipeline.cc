@@ -18,6 +18,9 @@ MappingPipeline::~MappingPipeline() {
     stopping_ = true;
   }
   thread_.join();
+  for (const Work& work : work_) {
+    if (work.done != nullptr) work.done(absl::UnavailableError("the server is shutting down"));
+  }
 }
 
 void MappingPipeline::AddSubmap(const MissionId& mission, std::shared_ptr<const Submap> submap) {
@@ -30,9 +33,35 @@ void MappingPipeline::AddLoopClosure(const LoopClosure& closure) {
   Enqueue([closure](MultiRobotMap& map) { return map.AddLoopClosure(closure); });
 }
 
-void MappingPipeline::Enqueue(Work work) {
+void MappingPipeline::AddCandidate(LoopCandidate candidate) {
+  Enqueue([candidate = std::move(candidate)](MultiRobotMap& map) {
+    return map.AddCandidate(candidate);
+  });
+}
+
+void MappingPipeline::AddScoredCandidate(const ScoredCandidate& candidate) {
+  Enqueue([candidate](MultiRobotMap& map) { return map.AddScoredCandidate(candidate); });
+}
+
+void MappingPipeline::Decide(Decision decision, std::function<void(const absl::Status&)> done) {
+  {
+    absl::MutexLock lock(&mutex_);
+    if (!stopping_) {
+      work_.push_back({std::move(decision), std::move(done)});
+      return;
+    }
+  }
+  done(absl::UnavailableError("the server is shutting down"));
+}
+
+int64_t MappingPipeline::backlog() const {
   absl::MutexLock lock(&mutex_);
-  work_.push_back(std::move(work));
+  return static_cast<int64_t>(work_.size()) + in_hand_;
+}
+
+void MappingPipeline::Enqueue(Decision apply) {
+  absl::MutexLock lock(&mutex_);
+  work_.push_back({std::move(apply), nullptr});
 }
 
 void MappingPipeline::Run() {
@@ -43,6 +72,8 @@ void MappingPipeline::Run() {
     } catch (const std::exception& error) {
       spdlog::error("mapping failed: {}", error.what());
     }
+    absl::MutexLock lock(&mutex_);
+    in_hand_ = 0;
   }
 }
 
@@ -53,22 +84,27 @@ std::vector<MappingPipeline::Work> MappingPipeline::TakeWork() {
   };
   mutex_.Await(absl::Condition(&something_to_do));
   if (stopping_) return {};
+  in_hand_ = static_cast<int64_t>(work_.size());
   return std::exchange(work_, {});
 }
 
 void MappingPipeline::Iterate(const std::vector<Work>& work) {
   for (const Work& item : work) {
-    // The store let it through, so a refusal here is a defect of ours: say so, and go on without
-    // it.
-    const absl::Status status = item(map_);
-    if (!status.ok()) spdlog::error("the map refused what was stored: {}", status.ToString());
+    const absl::Status status = item.apply(map_);
+    if (item.done != nullptr) {
+      item.done(status);
+    } else if (!status.ok()) {
+      // The store let it through, so a refusal here is a defect of ours: say so, and go on without
+      // it.
+      spdlog::error("the map refused what was stored: {}", status.ToString());
+    }
   }
   if (!map_.dirty()) return;
   const std::shared_ptr<const MapSnapshot> snapshot = map_.Optimise();
   spdlog::info("revision {}: {} missions, {} closures, cost {:.6g} -> {:.6g} in {:.3f} s",
                snapshot->revision, snapshot->missions.size(), snapshot->closures.size(),
                snapshot->initial_cost, snapshot->final_cost, snapshot->optimisation_s);
-  publish_(snapshot);
+  publish_(snapshot, map_.history().records().back());
 }
 
 }  // namespace overtone

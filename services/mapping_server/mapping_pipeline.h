@@ -15,6 +15,7 @@
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/mapping/map_snapshot.h"
 #include "overtone/core/mapping/multi_robot_map.h"
+#include "overtone/core/mapping/revision_history.h"
 
 namespace overtone {
 
@@ -22,7 +23,8 @@ namespace overtone {
 // dropped.
 class MappingPipeline {
  public:
-  using Publish = std::function<void(std::shared_ptr<const MapSnapshot>)>;
+  using Publish =
+      std::function<void(std::shared_ptr<const MapSnapshot>, const RevisionRecord& what_changed)>;
 
   // `publish` is called on the mapping thread with every new revision. `options` must be valid.
   MappingPipeline(const MultiRobotMapOptions& options, uint64_t map_epoch, Publish publish);
@@ -31,11 +33,24 @@ class MappingPipeline {
   // In the order in which they are to be added. Neither blocks on the optimisation.
   void AddSubmap(const MissionId& mission, std::shared_ptr<const Submap> submap);
   void AddLoopClosure(const LoopClosure& closure);
+  void AddCandidate(LoopCandidate candidate);
+  void AddScoredCandidate(const ScoredCandidate& candidate);
+
+  // An operator's decision, taken on the mapping thread between two optimisations; `done` is called
+  // there with its result. Unavailable: the server is shutting down.
+  using Decision = std::function<absl::Status(MultiRobotMap&)>;
+  void Decide(Decision decision, std::function<void(const absl::Status&)> done);
+
+  // What waits or is under way: 0 when the last revision holds all that came.
+  int64_t backlog() const;
 
  private:
-  using Work = std::function<absl::Status(MultiRobotMap&)>;
+  struct Work {
+    Decision apply;
+    std::function<void(const absl::Status&)> done;  // null: a refusal is a defect of ours
+  };
 
-  void Enqueue(Work work);
+  void Enqueue(Decision apply);
   void Run();
   // Waits for work and takes all of it; empty: the end.
   std::vector<Work> TakeWork();
@@ -43,8 +58,9 @@ class MappingPipeline {
 
   const Publish publish_;
   MultiRobotMap map_;  // the mapping thread's own
-  absl::Mutex mutex_;
+  mutable absl::Mutex mutex_;
   std::vector<Work> work_ ABSL_GUARDED_BY(mutex_);
+  int64_t in_hand_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;  // last: starts when all else is there
 };

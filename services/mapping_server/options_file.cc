@@ -45,6 +45,7 @@ std::map<std::string, Setter> Keys(ServerOptions& options) {
   PublisherOptions& publisher = options.publisher;
   GraphMonitorOptions& graph = options.graph;
   MultiRobotMapOptions& map = options.map;
+  LoopDetectorOptions& loops = options.loop_closures;
   return {
       {"listen", Into(options.listen)},
       {"log_level", Into(options.log_level)},
@@ -75,8 +76,22 @@ std::map<std::string, Setter> Keys(ServerOptions& options) {
       {"graph.sigma", Into(graph.radius_graph.sigma)},
       {"map.robust", IntoRobust(map.robust)},
       {"map.closure_chi_square_limit", Into(map.closure_chi_square_limit)},
+      {"map.sighting_chi_square_limit", Into(map.sighting_chi_square_limit)},
+      {"map.consistency_chi_square_limit", Into(map.consistency_chi_square_limit)},
+      {"map.min_consistent_closures", Into(map.min_consistent_closures)},
+      {"map.point_alignment_tolerance_m", Into(map.point_alignment_tolerance_m)},
+      {"map.degenerate_motion_share", Into(map.degenerate_motion_share)},
+      {"map.min_candidate_score", Into(map.min_candidate_score)},
+      {"map.scored_position_sigma_m", Into(map.scored_position_sigma_m)},
       {"map.max_iterations", Into(map.max_iterations)},
       {"map.num_threads", Into(map.num_threads)},
+      {"loop_closures.enabled", Into(loops.enabled)},
+      {"loop_closures.num_threads", Into(loops.num_threads)},
+      {"loop_closures.gather_length_m", Into(loops.gather_length_m)},
+      {"loop_closures.max_views", Into(loops.max_views)},
+      {"loop_closures.min_overlap", Into(loops.verifier.min_overlap)},
+      {"loop_closures.max_residual_m", Into(loops.verifier.max_residual_m)},
+      {"loop_closures.max_translation_m", Into(loops.verifier.max_translation_m)},
   };
 }
 

@@ -74,7 +74,8 @@ absl::Status ServerOptions::Validate() const {
   RETURN_IF_ERROR(AtField("limits", limits.Validate()));
   RETURN_IF_ERROR(AtField("publisher", publisher.Validate()));
   RETURN_IF_ERROR(AtField("graph", graph.Validate()));
-  return AtField("map", map.Validate());
+  RETURN_IF_ERROR(AtField("map", map.Validate()));
+  return AtField("loop_closures", loop_closures.Validate());
 }
 
 }  // namespace overtone

@@ -12,6 +12,7 @@
 #include "overtone/core/mapping/multi_robot_map.h"
 #include "overtone/proto/conversion/graph_columns.h"
 #include "overtone/proto/conversion/published_graph.h"
+#include "overtone/services/mapping_server/loop_detector.h"
 
 namespace overtone {
 
@@ -61,6 +62,7 @@ struct ServerOptions {
   PublisherOptions publisher;
   GraphMonitorOptions graph;
   MultiRobotMapOptions map;
+  LoopDetectorOptions loop_closures;
 
   // InvalidArgument naming the option as in the configuration file.
   absl::Status Validate() const;

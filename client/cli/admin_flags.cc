@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/cli/admin_flags.h"
+
+#include <utility>
+
+#include "overtone/client/cli/exit_code.h"
+
+namespace overtone {
+
+CLI::App* AddAdminCommand(CLI::App* app, const std::string& name, const std::string& what,
+                          AdminFlagSet set, AdminFlags* flags, std::function<absl::Status()> act,
+                          std::function<int()>* run) {
+  CLI::App* command = app->add_subcommand(name, what);
+  command->add_option("--server", flags->server, "host:port of the mapping server")
+      ->capture_default_str();
+  command->add_option("--timeout", flags->timeout_s, "Seconds to wait for the server")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  if (set.map) command->add_option("--map", flags->map, "Map")->capture_default_str();
+  if (set.json) command->add_flag("--json", flags->json, "One JSON object per line");
+  command->callback([name, run, act = std::move(act)] {
+    *run = [name, act] {
+      const absl::Status status = act();
+      return status.ok() ? 0 : Fail(name, status);
+    };
+  });
+  return command;
+}
+
+}  // namespace overtone

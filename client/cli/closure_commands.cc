@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/cli/closure_commands.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/strings/ascii.h"
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_join.h"
+#include "absl/strings/str_split.h"
+#include "absl/time/time.h"
+#include "overtone/client/cli/admin_client.h"
+#include "overtone/client/cli/admin_flags.h"
+#include "overtone/client/cli/closure_names.h"
+#include "overtone/client/cli/table.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/id_conversion.h"
+
+namespace overtone {
+namespace {
+
+struct ClosureFlags : AdminFlags {
+  std::string robot;
+  std::string mission;
+  std::string verdict;
+  std::string proposer;
+  std::string near;
+  double radius_m = 5;
+  std::vector<std::string> ids;
+  uint64_t revision = 0;
+};
+
+std::string NodeName(const v1::NodeId& node) {
+  return absl::StrCat(node.mission().robot(), "/", node.mission().mission(), ":", node.index());
+}
+
+// The enum value called PREFIX_NAME.
+template <typename Enum>
+absl::StatusOr<Enum> ParseName(absl::string_view flag, absl::string_view prefix,
+                               const std::string& name,
+                               bool (*parse)(google::protobuf::ConstStringParam, Enum*)) {
+  Enum value{};
+  if (parse(absl::StrCat(prefix, absl::AsciiStrToUpper(name)), &value)) return value;
+  return absl::InvalidArgumentError(absl::StrCat(flag, ": no ", name));
+}
+
+std::string Figures(const v1::LoopClosureStatus& closure) {
+  if (!closure.has_registration()) return "";
+  const v1::RegistrationFigures& figures = closure.registration();
+  return absl::StrFormat("%.2f / %.3f m", figures.overlap(), figures.residual_m());
+}
+
+void PrintClosures(const std::vector<v1::LoopClosureStatus>& closures) {
+  std::vector<std::vector<std::string>> rows = {
+      {"id", "proposer", "score", "overlap / residual", "chi square", "verdict", "why"}};
+  for (const v1::LoopClosureStatus& closure : closures) {
+    rows.push_back({closure.id(), ProposerName(closure.proposer()),
+                    closure.score() > 0 ? absl::StrFormat("%.2f", closure.score()) : "",
+                    Figures(closure), absl::StrFormat("%.2f", closure.chi_square()),
+                    VerdictName(closure.verdict()), closure.reason()});
+  }
+  std::cout << FormatTable(rows);
+}
+
+absl::Status Explain(const ClosureFlags& flags) {
+  v1::ExplainLoopClosuresRequest request;
+  request.set_map(flags.map);
+  request.set_radius_m(flags.radius_m);
+  ASSIGN_OR_RETURN(const NodeId node, ParseNodeId(flags.near));
+  *request.mutable_node() = ToProto(node);
+  AdminClient client = flags.Client();
+  ASSIGN_OR_RETURN(const v1::ExplainLoopClosuresResponse response,
+                   client.ExplainLoopClosures(request));
+  if (flags.json) {
+    PrintJson<v1::ExplainLoopClosuresResponse>({response});
+    return absl::OkStatus();
+  }
+  std::cout << response.explanation() << "\n";
+  if (response.candidates_size() > 0) {
+    std::cout << "\n";
+    PrintClosures({response.candidates().begin(), response.candidates().end()});
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ShowClosures(const ClosureFlags& flags) {
+  if (!flags.near.empty()) return Explain(flags);
+  v1::ListLoopClosuresRequest request;
+  request.set_map(flags.map);
+  request.set_robot(flags.robot);
+  if (!flags.mission.empty()) {
+    ASSIGN_OR_RETURN(const MissionId mission, ParseMissionId(flags.mission));
+    *request.mutable_mission() = ToProto(mission);
+  }
+  if (!flags.verdict.empty()) {
+    ASSIGN_OR_RETURN(const auto verdict, ParseName<v1::LoopClosureVerdict>(
+                                             "--verdict", "LOOP_CLOSURE_VERDICT_", flags.verdict,
+                                             v1::LoopClosureVerdict_Parse));
+    request.set_verdict(verdict);
+  }
+  if (!flags.proposer.empty()) {
+    ASSIGN_OR_RETURN(const auto proposer, ParseName<v1::LoopClosureProposer>(
+                                              "--proposer", "LOOP_CLOSURE_PROPOSER_",
+                                              flags.proposer, v1::LoopClosureProposer_Parse));
+    request.set_proposer(proposer);
+  }
+  AdminClient client = flags.Client();
+  ASSIGN_OR_RETURN(const std::vector<v1::LoopClosureStatus> closures,
+                   client.ListLoopClosures(std::move(request)));
+  flags.json ? PrintJson(closures) : PrintClosures(closures);
+  return absl::OkStatus();
+}
+
+absl::Status DecideAll(const ClosureFlags& flags, const char* done,
+                       absl::Status (AdminClient::*decide)(const std::string&,
+                                                           const std::string&)) {
+  AdminClient client = flags.Client();
+  for (const std::string& id : flags.ids) {
+    RETURN_IF_ERROR((client.*decide)(flags.map, id));
+    std::cout << done << " " << id << "; the next revision holds the result\n";
+  }
+  return absl::OkStatus();
+}
+
+std::string Verdicts(const v1::Revision& revision) {
+  std::vector<std::string> words;
+  for (const v1::VerdictCount& count : revision.verdicts()) {
+    words.push_back(absl::StrCat(count.count(), " ", VerdictName(count.verdict())));
+  }
+  return absl::StrJoin(words, ", ");
+}
+
+absl::Status ShowRevisions(const AdminFlags& flags) {
+  AdminClient client = flags.Client();
+  ASSIGN_OR_RETURN(const std::vector<v1::Revision> revisions, client.ListRevisions(flags.map));
+  if (flags.json) {
+    PrintJson(revisions);
+    return absl::OkStatus();
+  }
+  std::vector<std::vector<std::string>> rows = {{"revision", "published", "anchored", "keyframes",
+                                                 "in use +/-", "moved mean/max [m]", "cost",
+                                                 "candidates"}};
+  for (const v1::Revision& revision : revisions) {
+    rows.push_back(
+        {absl::StrCat(revision.revision()),
+         absl::FormatTime("%H:%M:%S", absl::FromUnixSeconds(revision.published().seconds()),
+                          absl::UTCTimeZone()),
+         absl::StrCat(revision.anchored_missions(), " of ", revision.missions()),
+         absl::StrCat(revision.keyframes()),
+         absl::StrCat(revision.accepted_size(), "/", revision.dropped_size()),
+         absl::StrFormat("%.3f/%.3f", revision.mean_move_m(), revision.largest_move_m()),
+         absl::StrFormat("%.4g", revision.cost_after()), Verdicts(revision)});
+  }
+  std::cout << FormatTable(rows);
+  return absl::OkStatus();
+}
+
+absl::Status RollBack(const ClosureFlags& flags) {
+  AdminClient client = flags.Client();
+  ASSIGN_OR_RETURN(const v1::RollBackResponse response, client.RollBack(flags.map, flags.revision));
+  std::cout << "vetoed " << response.vetoed() << " loop closures that came into use after revision "
+            << flags.revision << "; the map goes on in epoch " << response.map_epoch() << "\n";
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<MissionId> ParseMissionId(absl::string_view text) {
+  const std::vector<std::string> parts = absl::StrSplit(text, '/');
+  if (parts.size() != 2 || !ValidateId(parts[0], "robot").ok() ||
+      !ValidateId(parts[1], "mission").ok()) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\": expected robot/mission"));
+  }
+  return MissionId{parts[0], parts[1]};
+}
+
+absl::StatusOr<NodeId> ParseNodeId(absl::string_view text) {
+  const std::pair<std::string, std::string> parts = absl::StrSplit(text, absl::MaxSplits(':', 1));
+  NodeId node;
+  const absl::StatusOr<MissionId> mission = ParseMissionId(parts.first);
+  if (!mission.ok() || !absl::SimpleAtoi(parts.second, &node.index) || node.index < 0) {
+    return absl::InvalidArgumentError(absl::StrCat("\"", text, "\": expected robot/mission:index"));
+  }
+  node.mission = *mission;
+  return node;
+}
+
+void AddClosureCommands(CLI::App* app, std::function<int()>* run) {
+  const auto flags = std::make_shared<ClosureFlags>();
+  CLI::App* closures = AddAdminCommand(
+      app, "closures", "List a map's loop closures, or say why there is none at a place",
+      {true, true}, flags.get(), [flags] { return ShowClosures(*flags); }, run);
+  closures->add_option("--near", flags->near,
+                       "robot/mission:index: is there a loop here, and if not, why");
+  closures->add_option("--radius", flags->radius_m, "Metres along the mission that count as near")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  closures->add_option("--robot", flags->robot, "Only with an end in a mission of this robot");
+  closures->add_option("--mission", flags->mission,
+                       "robot/mission: only with an end in this mission");
+  closures->add_option("--verdict", flags->verdict,
+                       "Only with this verdict: accepted, quarantined, rejected_overlap, ...");
+  closures->add_option("--proposer", flags->proposer,
+                       "Only proposed by: robot, robot_score, scan_context");
+
+  const auto add_ids = [&flags](CLI::App* command) {
+    command->add_option("id", flags->ids, "As listed by `overtone closures`")->required();
+  };
+  add_ids(AddAdminCommand(
+      app, "veto", "Take loop closures out of the map: it is rebuilt without them", {true, false},
+      flags.get(), [flags] { return DecideAll(*flags, "vetoed", &AdminClient::VetoLoopClosure); },
+      run));
+  add_ids(AddAdminCommand(
+      app, "force", "Use loop closures whatever the checks say", {true, false}, flags.get(),
+      [flags] { return DecideAll(*flags, "forced", &AdminClient::ForceLoopClosure); }, run));
+  AddAdminCommand(
+      app, "revisions", "List what each revision of a map changed", {true, true}, flags.get(),
+      [flags] { return ShowRevisions(*flags); }, run);
+  AddAdminCommand(
+      app, "rollback", "Veto every loop closure that came into use after a revision", {true, false},
+      flags.get(), [flags] { return RollBack(*flags); }, run)
+      ->add_option("revision", flags->revision, "As listed by `overtone revisions`")
+      ->required();
+}
+
+}  // namespace overtone
