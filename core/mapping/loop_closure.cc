@@ -74,7 +74,8 @@ std::string Reason(const ClosureRecord& record) {
   const RegistrationFigures figures = candidate.registration.value_or(RegistrationFigures());
   switch (record.verdict) {
     case ClosureVerdict::kPending:
-      return "waits for a keyframe that is not in the map yet";
+      return candidate.measured ? "waits for a keyframe that is not in the map yet"
+                                : "nobody has measured its relative pose yet";
     case ClosureVerdict::kAccepted:
       return absl::StrFormat("fits the map, chi square %.2f", record.chi_square);
     case ClosureVerdict::kDemotedByOptimiser:

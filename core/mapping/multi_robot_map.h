@@ -32,8 +32,9 @@ struct MultiRobotMapOptions {
   // The same for sightings: 3 degrees of freedom, 99.9 %.
   double sighting_chi_square_limit = 16.27;
   // Between two missions, closures whose cycle with their odometry has a larger chi square disagree
-  // (6 degrees of freedom, 99.9 %). Pairwise consistency runs only with kGnc.
-  double consistency_chi_square_limit = 22.46;
+  // (6 degrees of freedom, one in a million; pairwise_consistency.h says why so wide). Pairwise
+  // consistency runs only with kGnc.
+  double consistency_chi_square_limit = 38.26;
   // The first tie between two components is believed when so many closures agree.
   int min_consistent_closures = 3;
   // Two frames are aligned by common points (landmarks, robots that see each other) when these lie

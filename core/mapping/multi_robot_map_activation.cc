@@ -23,7 +23,9 @@ void MultiRobotMap::State::ActivateClosures() {
       verdict = ClosureVerdict::kForcedByOperator;
     } else if (verdict == ClosureVerdict::kPending) {
       verdict = JudgeFigures(record.candidate);
-      if (verdict == ClosureVerdict::kPending) verdict = ClosureVerdict::kAccepted;
+      if (verdict == ClosureVerdict::kPending && record.candidate.measured) {
+        verdict = ClosureVerdict::kAccepted;
+      }
     }
     if (verdict == record.verdict) continue;
     SetVerdict(record, verdict);

@@ -103,6 +103,7 @@ struct MultiRobotMap::State {
   void ActivateClosures();
   void ActivateSightings();
   void Locate(SightingRecord& sighting) const;
+  bool TakesPartInConsistency(int closure) const;
   void JudgeConsistency();
   bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair);
 

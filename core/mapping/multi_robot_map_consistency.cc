@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "overtone/core/mapping/multi_robot_map_state.h"
+
+namespace overtone {
+namespace {
+
+InterMissionClosure From(const LoopCandidate& candidate, bool reversed) {
+  InterMissionClosure closure;
+  closure.from = static_cast<int>(candidate.from.index);
+  closure.to = static_cast<int>(candidate.to.index);
+  closure.from_tform_to = candidate.from_tform_to;
+  closure.covariance = candidate.covariance;
+  if (!reversed) return closure;
+  std::swap(closure.from, closure.to);
+  closure.from_tform_to = candidate.from_tform_to.Inverse();
+  const Matrix6d adjoint = Adjoint(candidate.from_tform_to);
+  closure.covariance = adjoint * candidate.covariance * adjoint.transpose();
+  return closure;
+}
+
+}  // namespace
+
+// Wants a say in the consistency of its two missions: all but those that figures or an operator
+// have decided.
+bool MultiRobotMap::State::TakesPartInConsistency(int closure) const {
+  const ClosureRecord& record = closures[closure];
+  if (!BetweenMissions(record) || record.verdict == ClosureVerdict::kForcedByOperator) return false;
+  return InPlay(closure) || record.verdict == ClosureVerdict::kRejectedInconsistent;
+}
+
+// Odometry as uploaded is what closures are compared along: an optimised path would already have
+// been bent by those accepted before.
+void MultiRobotMap::State::JudgeConsistency() {
+  if (options.robust != MultiRobotMapOptions::Robust::kGnc) return;
+  std::map<std::pair<int, int>, std::vector<int>> closures_of_missions;
+  std::set<std::pair<int, int>> changed;  // a closure dropped out: its row must go
+  for (int k = 0; k < static_cast<int>(closures.size()); ++k) {
+    if (closures[k].verdict == ClosureVerdict::kPending || !BetweenMissions(closures[k])) continue;
+    const std::pair<int, int> pair =
+        std::minmax(PositionOf(closures[k].candidate.from), PositionOf(closures[k].candidate.to));
+    if (TakesPartInConsistency(k)) {
+      closures_of_missions[pair].push_back(k);
+    } else if (consistency_row[k] >= 0) {
+      consistency_row[k] = -1;
+      changed.insert(pair);
+    }
+  }
+  for (const std::pair<int, int>& pair : changed) {
+    consistency.erase(pair);
+    for (const int k : closures_of_missions[pair]) consistency_row[k] = -1;
+  }
+  bool lost = false;
+  for (const auto& [pair, closures_of_pair] : closures_of_missions) {
+    if (!closures_of_pair.empty()) lost |= JudgePair(pair, closures_of_pair);
+  }
+  // What held two missions together may be gone: they are aligned afresh by what is left.
+  if (lost) SplitFrames();
+}
+
+// True when a closure that was in use is so no longer.
+bool MultiRobotMap::State::JudgePair(const std::pair<int, int>& pair,
+                                     const std::vector<int>& closures_of_pair) {
+  PairwiseConsistencyOptions consistency_options;
+  consistency_options.chi_square_limit = options.consistency_chi_square_limit;
+  const auto [entry, fresh] = consistency.try_emplace(pair, consistency_options);
+  PairwiseConsistency& set = entry->second;
+  const UncertainTrajectory &a = odometry[pair.first], &b = odometry[pair.second];
+  for (const int k : closures_of_pair) {
+    if (consistency_row[k] >= 0) continue;
+    const LoopCandidate& candidate = closures[k].candidate;
+    const bool reversed = PositionOf(candidate.from) != pair.first;
+    // What AddCandidate lets in, this takes; if not, the closure stays outside the set.
+    if (set.Add(From(candidate, reversed), a, b).ok()) consistency_row[k] = set.Size() - 1;
+  }
+  const std::vector<int>& members = set.ConsistentSet().members;
+  bool lost = false;
+  for (const int k : closures_of_pair) {
+    ClosureRecord& record = closures[k];
+    record.consistent_set = static_cast<int>(members.size());
+    const bool consistent = consistency_row[k] >= 0 &&
+                            std::binary_search(members.begin(), members.end(), consistency_row[k]);
+    if (consistent && record.verdict == ClosureVerdict::kRejectedInconsistent) {
+      SetVerdict(record, ClosureVerdict::kAccepted);
+      record.weight = 1;
+    } else if (!consistent && record.verdict != ClosureVerdict::kRejectedInconsistent) {
+      lost |= record.verdict == ClosureVerdict::kAccepted;
+      SetVerdict(record, ClosureVerdict::kRejectedInconsistent);
+      record.weight = 0;
+    }
+  }
+  return lost;
+}
+
+}  // namespace overtone
