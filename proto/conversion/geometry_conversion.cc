@@ -12,7 +12,7 @@
 namespace overtone {
 namespace {
 
-constexpr int kTriangleSize = 21;
+using Triangle = google::protobuf::RepeatedField<double>;
 
 absl::StatusOr<Eigen::Quaterniond> UnitQuaternion(const v1::Quaternion& message) {
   const Eigen::Quaterniond quaternion(message.w(), message.x(), message.y(), message.z());
@@ -26,8 +26,18 @@ absl::StatusOr<Eigen::Quaterniond> UnitQuaternion(const v1::Quaternion& message)
   return excess < 1e-12 ? quaternion : quaternion.normalized();
 }
 
-absl::Status ValidateVariances(const Matrix6d& covariance) {
-  for (int i = 0; i < 6; ++i) {
+absl::Status ValidateCoordinates(const Eigen::Vector3d& vector) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::abs(vector[axis]) <= limits::kMaxPositionM) continue;  // false for NaN
+    const absl::string_view names[] = {"x", "y", "z"};
+    return InvalidField(names[axis], absl::StrCat(vector[axis], " m is not within +-1e7 m"));
+  }
+  return absl::OkStatus();
+}
+
+template <typename Matrix>
+absl::Status ValidateVariances(const Matrix& covariance) {
+  for (int i = 0; i < covariance.rows(); ++i) {
     const double variance = covariance(i, i);
     if (variance >= limits::kMinVariance && variance <= limits::kMaxVariance) continue;
     return InvalidField("upper_triangle", absl::StrCat("the variance of element ", i, " is ",
@@ -37,69 +47,34 @@ absl::Status ValidateVariances(const Matrix6d& covariance) {
 }
 
 // Tests the correlation matrix, whose scale does not depend on units: metres^2 beside rad^2.
-bool IsPositiveDefinite(const Matrix6d& covariance) {
-  const Vector6d scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  const Matrix6d correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const Matrix6d shifted = correlation - limits::kMinCorrelationEigenvalue * Matrix6d::Identity();
-  return Eigen::LLT<Matrix6d>(shifted).info() == Eigen::Success;
+template <typename Matrix>
+bool IsPositiveDefinite(const Matrix& covariance) {
+  const auto scale = covariance.diagonal().cwiseSqrt().cwiseInverse().eval();
+  const Matrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Matrix shifted = correlation - limits::kMinCorrelationEigenvalue * Matrix::Identity();
+  return Eigen::LLT<Matrix>(shifted).info() == Eigen::Success;
 }
 
-}  // namespace
-
-v1::Pose ToProto(const Rigid3d& pose) {
-  v1::Pose message;
-  v1::Vector3& position = *message.mutable_position();
-  position.set_x(pose.translation.x());
-  position.set_y(pose.translation.y());
-  position.set_z(pose.translation.z());
-  v1::Quaternion& orientation = *message.mutable_orientation();
-  orientation.set_x(pose.rotation.x());
-  orientation.set_y(pose.rotation.y());
-  orientation.set_z(pose.rotation.z());
-  orientation.set_w(pose.rotation.w());
-  return message;
-}
-
-v1::PoseCovariance ToProto(const Matrix6d& covariance) {
-  v1::PoseCovariance message;
-  message.mutable_upper_triangle()->Reserve(kTriangleSize);
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      message.add_upper_triangle(covariance(row, column));
+template <typename Matrix>
+void WriteTriangle(const Matrix& covariance, Triangle& triangle) {
+  for (int row = 0; row < covariance.rows(); ++row) {
+    for (int column = row; column < covariance.cols(); ++column) {
+      triangle.Add(covariance(row, column));
     }
   }
-  return message;
 }
 
-absl::Status ValidatePosition(const Eigen::Vector3d& position) {
-  for (int axis = 0; axis < 3; ++axis) {
-    if (std::abs(position[axis]) <= limits::kMaxPositionM) continue;  // false for NaN
-    const absl::string_view names[] = {"position.x", "position.y", "position.z"};
-    return InvalidField(names[axis], absl::StrCat(position[axis], " m is not within +-1e7 m"));
+template <typename Matrix>
+absl::StatusOr<Matrix> ReadTriangle(const Triangle& triangle) {
+  constexpr int kSize = Matrix::RowsAtCompileTime * (Matrix::RowsAtCompileTime + 1) / 2;
+  if (triangle.size() != kSize) {
+    return InvalidField("upper_triangle", absl::StrCat(triangle.size(), " numbers, not ", kSize));
   }
-  return absl::OkStatus();
-}
-
-absl::StatusOr<Rigid3d> FromProto(const v1::Pose& message) {
-  if (!message.has_position()) return InvalidField("position", "missing");
-  if (!message.has_orientation()) return InvalidField("orientation", "missing");
-  const v1::Vector3& position = message.position();
-  const Eigen::Vector3d translation(position.x(), position.y(), position.z());
-  RETURN_IF_ERROR(ValidatePosition(translation));
-  ASSIGN_OR_RETURN(const Eigen::Quaterniond rotation, UnitQuaternion(message.orientation()));
-  return Rigid3d(rotation, translation);
-}
-
-absl::StatusOr<Matrix6d> FromProto(const v1::PoseCovariance& message) {
-  if (message.upper_triangle_size() != kTriangleSize) {
-    return InvalidField("upper_triangle",
-                        absl::StrCat(message.upper_triangle_size(), " numbers, not 21"));
-  }
-  Matrix6d covariance;
+  Matrix covariance;
   int next = 0;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column, ++next) {
-      const double value = message.upper_triangle(next);
+  for (int row = 0; row < covariance.rows(); ++row) {
+    for (int column = row; column < covariance.cols(); ++column, ++next) {
+      const double value = triangle.Get(next);
       if (!std::isfinite(value)) {
         return InvalidField(absl::StrCat("upper_triangle[", next, "]"), "not finite");
       }
@@ -112,6 +87,66 @@ absl::StatusOr<Matrix6d> FromProto(const v1::PoseCovariance& message) {
     return InvalidField("upper_triangle", "not positive definite");
   }
   return covariance;
+}
+
+}  // namespace
+
+v1::Vector3 ToProto(const Eigen::Vector3d& vector) {
+  v1::Vector3 message;
+  message.set_x(vector.x());
+  message.set_y(vector.y());
+  message.set_z(vector.z());
+  return message;
+}
+
+v1::Pose ToProto(const Rigid3d& pose) {
+  v1::Pose message;
+  *message.mutable_position() = ToProto(pose.translation);
+  v1::Quaternion& orientation = *message.mutable_orientation();
+  orientation.set_x(pose.rotation.x());
+  orientation.set_y(pose.rotation.y());
+  orientation.set_z(pose.rotation.z());
+  orientation.set_w(pose.rotation.w());
+  return message;
+}
+
+v1::PoseCovariance ToProto(const Matrix6d& covariance) {
+  v1::PoseCovariance message;
+  WriteTriangle(covariance, *message.mutable_upper_triangle());
+  return message;
+}
+
+v1::PointCovariance ToProto(const Eigen::Matrix3d& covariance) {
+  v1::PointCovariance message;
+  WriteTriangle(covariance, *message.mutable_upper_triangle());
+  return message;
+}
+
+absl::StatusOr<Eigen::Vector3d> FromProto(const v1::Vector3& message) {
+  const Eigen::Vector3d vector(message.x(), message.y(), message.z());
+  RETURN_IF_ERROR(ValidateCoordinates(vector));
+  return vector;
+}
+
+absl::Status ValidatePosition(const Eigen::Vector3d& position) {
+  return AtField("position", ValidateCoordinates(position));
+}
+
+absl::StatusOr<Rigid3d> FromProto(const v1::Pose& message) {
+  if (!message.has_position()) return InvalidField("position", "missing");
+  if (!message.has_orientation()) return InvalidField("orientation", "missing");
+  ASSIGN_OR_RETURN(const Eigen::Vector3d translation,
+                   AtField("position", FromProto(message.position())));
+  ASSIGN_OR_RETURN(const Eigen::Quaterniond rotation, UnitQuaternion(message.orientation()));
+  return Rigid3d(rotation, translation);
+}
+
+absl::StatusOr<Matrix6d> FromProto(const v1::PoseCovariance& message) {
+  return ReadTriangle<Matrix6d>(message.upper_triangle());
+}
+
+absl::StatusOr<Eigen::Matrix3d> FromProto(const v1::PointCovariance& message) {
+  return ReadTriangle<Eigen::Matrix3d>(message.upper_triangle());
 }
 
 }  // namespace overtone

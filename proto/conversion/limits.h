@@ -10,6 +10,8 @@ namespace overtone::limits {
 // Metres; more than twice the way around the Earth's mean radius, and still exact to nanometres in
 // a double.
 constexpr double kMaxPositionM = 1e7;
+// | |v| - 1 | of a direction.
+constexpr double kDirectionTolerance = 1e-3;
 // | |q| - 1 |: what float32 and printed decimals need; beyond it the quaternion is a mistake.
 constexpr double kQuaternionTolerance = 1e-3;
 // m^2 and rad^2: below, the information overflows; above, the measurement says nothing.
@@ -26,8 +28,17 @@ constexpr int64_t kMaxSequence = 1'000'000'000;
 
 constexpr int kMaxKeyframesPerSubmap = 2000;
 constexpr int kMaxLoopClosuresPerSubmap = 2000;
+constexpr int kMaxCandidatesPerSubmap = 2000;
+constexpr int kMaxCloudsPerSubmap = 2000;
+constexpr int kMaxSightingsPerSubmap = 10'000;  // of landmarks, and as many of robots
+constexpr int kMaxAbsolutePosesPerSubmap = 2000;
 constexpr int kMaxLoopClosuresPerRequest = 2000;
 constexpr int64_t kMaxSubmapBytes = 1 << 20;
+
+constexpr int kSha256Bytes = 32;
+constexpr int64_t kMaxBlobBytes = 16 << 20;
+constexpr int64_t kMaxBlobChunkBytes = 512 << 10;
+constexpr int kMaxWantsPerFrame = 256;
 
 constexpr int kMaxGraphNodes = 1'000'000;
 constexpr double kMaxPositionResolutionM = 1.0;

@@ -2,13 +2,17 @@
 #include "overtone/proto/conversion/submap_conversion.h"
 
 #include <utility>
+#include <vector>
 
+#include "absl/container/flat_hash_set.h"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/geometry_conversion.h"
 #include "overtone/proto/conversion/id_conversion.h"
+#include "overtone/proto/conversion/keyframe_conversion.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/proto/conversion/sighting_conversion.h"
 
 namespace overtone {
 namespace {
@@ -34,32 +38,25 @@ absl::Status ValidateHeader(const v1::Submap& message) {
       ValidateCount("keyframes", message.keyframes_size(), 1, limits::kMaxKeyframesPerSubmap));
   RETURN_IF_ERROR(ValidateCount("loop_closures", message.loop_closures_size(), 0,
                                 limits::kMaxLoopClosuresPerSubmap));
+  RETURN_IF_ERROR(
+      ValidateCount("candidates", message.candidates_size(), 0, limits::kMaxCandidatesPerSubmap));
+  RETURN_IF_ERROR(ValidateCount("clouds", message.clouds_size(), 0, limits::kMaxCloudsPerSubmap));
+  RETURN_IF_ERROR(ValidateCount("landmark_sightings", message.landmark_sightings_size(), 0,
+                                limits::kMaxSightingsPerSubmap));
+  RETURN_IF_ERROR(ValidateCount("robot_sightings", message.robot_sightings_size(), 0,
+                                limits::kMaxSightingsPerSubmap));
+  RETURN_IF_ERROR(ValidateCount("absolute_poses", message.absolute_poses_size(), 0,
+                                limits::kMaxAbsolutePosesPerSubmap));
   const int64_t last_index = message.first_index() + message.keyframes_size() - 1;
   return ValidateKeyframeIndex(last_index, "keyframes");
-}
-
-absl::StatusOr<Keyframe> DecodeKeyframe(const v1::Keyframe& message, bool first_of_mission) {
-  Keyframe keyframe;
-  ASSIGN_OR_RETURN(keyframe.stamp, StampFromNanoseconds(message.stamp_ns(), "stamp_ns"));
-  ASSIGN_OR_RETURN(keyframe.mission_from_body,
-                   AtField("mission_tform_body", FromProto(message.mission_tform_body())));
-  if (message.has_motion_covariance()) {
-    ASSIGN_OR_RETURN(keyframe.motion_covariance,
-                     AtField("motion_covariance", FromProto(message.motion_covariance())));
-  } else if (!first_of_mission) {
-    return InvalidField("motion_covariance", "missing");
-  }
-  keyframe.degenerate = message.degenerate();
-  return keyframe;
 }
 
 absl::Status AppendKeyframes(const v1::Submap& message, Submap& submap) {
   submap.keyframes.reserve(message.keyframes_size());
   for (int i = 0; i < message.keyframes_size(); ++i) {
     const bool first_of_mission = submap.first_index == 0 && i == 0;
-    ASSIGN_OR_RETURN(
-        Keyframe keyframe,
-        AtField("keyframes", i, DecodeKeyframe(message.keyframes(i), first_of_mission)));
+    ASSIGN_OR_RETURN(Keyframe keyframe,
+                     AtField("keyframes", i, FromProto(message.keyframes(i), first_of_mission)));
     if (i > 0 && keyframe.stamp <= submap.keyframes.back().stamp) {
       return InvalidField(absl::StrCat("keyframes[", i, "].stamp_ns"),
                           absl::StrCat(keyframe.stamp.ns, " is not after the previous keyframe's ",
@@ -70,19 +67,63 @@ absl::Status AppendKeyframes(const v1::Submap& message, Submap& submap) {
   return absl::OkStatus();
 }
 
-absl::Status AppendLoopClosures(const v1::Submap& message, const MissionId& mission,
-                                Submap& submap) {
-  submap.loop_closures.reserve(message.loop_closures_size());
-  for (int i = 0; i < message.loop_closures_size(); ++i) {
-    ASSIGN_OR_RETURN(LoopClosure closure,
-                     AtField("loop_closures", i, FromProto(message.loop_closures(i))));
-    if (closure.from.mission != mission && closure.to.mission != mission) {
-      return InvalidField(absl::StrCat("loop_closures[", i, "].from"),
+// Closures and candidates: at least one end is in the mission.
+template <typename Tie, typename Messages>
+absl::Status AppendTies(absl::string_view field, const Messages& messages, const MissionId& mission,
+                        std::vector<Tie>& ties) {
+  ties.reserve(messages.size());
+  for (int i = 0; i < messages.size(); ++i) {
+    ASSIGN_OR_RETURN(Tie tie, AtField(field, i, FromProto(messages[i])));
+    if (tie.from.mission != mission && tie.to.mission != mission) {
+      return InvalidField(absl::StrCat(field, "[", i, "].from"),
                           absl::StrCat("neither end is in mission ", ToString(mission)));
     }
-    submap.loop_closures.push_back(std::move(closure));
+    ties.push_back(std::move(tie));
   }
   return absl::OkStatus();
+}
+
+// What belongs to one of the submap's own keyframes.
+template <typename Item, typename Messages>
+absl::Status AppendItems(absl::string_view field, const Messages& messages, const Submap& submap,
+                         std::vector<Item>& items) {
+  const int64_t first = submap.first_index;
+  const int64_t last = first + static_cast<int64_t>(submap.keyframes.size()) - 1;
+  items.reserve(messages.size());
+  for (int i = 0; i < messages.size(); ++i) {
+    ASSIGN_OR_RETURN(Item item, AtField(field, i, FromProto(messages[i])));
+    if (item.index < first || item.index > last) {
+      return InvalidField(
+          absl::StrCat(field, "[", i, "].index"),
+          absl::StrCat(item.index, " is not one of the submap's keyframes, ", first, " to ", last));
+    }
+    items.push_back(std::move(item));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateOneCloudEach(const std::vector<KeyframeCloud>& clouds) {
+  absl::flat_hash_set<int64_t> seen;
+  for (size_t i = 0; i < clouds.size(); ++i) {
+    if (seen.insert(clouds[i].index).second) continue;
+    return InvalidField(absl::StrCat("clouds[", i, "].index"),
+                        absl::StrCat("a second cloud of keyframe ", clouds[i].index));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status ValidateOthers(const std::vector<RobotSighting>& sightings, const MissionId& mission) {
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    if (sightings[i].robot != mission.robot) continue;
+    return InvalidField(absl::StrCat("robot_sightings[", i, "].robot"),
+                        absl::StrCat(mission.robot, " cannot see itself"));
+  }
+  return absl::OkStatus();
+}
+
+template <typename Item, typename Messages>
+void WriteAll(const std::vector<Item>& items, Messages* messages) {
+  for (const Item& item : items) *messages->Add() = ToProto(item);
 }
 
 }  // namespace
@@ -102,17 +143,14 @@ v1::Submap ToProto(const Submap& submap) {
   message.set_first_index(submap.first_index);
   for (const Keyframe& keyframe : submap.keyframes) {
     const bool first_of_mission = submap.first_index == 0 && message.keyframes_size() == 0;
-    v1::Keyframe& out = *message.add_keyframes();
-    out.set_stamp_ns(keyframe.stamp.ns);
-    *out.mutable_mission_tform_body() = ToProto(keyframe.mission_from_body);
-    if (!first_of_mission) {
-      *out.mutable_motion_covariance() = ToProto(keyframe.motion_covariance);
-    }
-    out.set_degenerate(keyframe.degenerate);
+    *message.add_keyframes() = ToProto(keyframe, first_of_mission);
   }
-  for (const LoopClosure& closure : submap.loop_closures) {
-    *message.add_loop_closures() = ToProto(closure);
-  }
+  WriteAll(submap.loop_closures, message.mutable_loop_closures());
+  WriteAll(submap.candidates, message.mutable_candidates());
+  WriteAll(submap.clouds, message.mutable_clouds());
+  WriteAll(submap.landmark_sightings, message.mutable_landmark_sightings());
+  WriteAll(submap.robot_sightings, message.mutable_robot_sightings());
+  WriteAll(submap.absolute_poses, message.mutable_absolute_poses());
   return message;
 }
 
@@ -135,7 +173,18 @@ absl::StatusOr<Submap> FromProto(const v1::Submap& message, const MissionId& mis
   submap.sequence = message.sequence();
   submap.first_index = message.first_index();
   RETURN_IF_ERROR(AppendKeyframes(message, submap));
-  RETURN_IF_ERROR(AppendLoopClosures(message, mission, submap));
+  RETURN_IF_ERROR(
+      AppendTies("loop_closures", message.loop_closures(), mission, submap.loop_closures));
+  RETURN_IF_ERROR(AppendTies("candidates", message.candidates(), mission, submap.candidates));
+  RETURN_IF_ERROR(AppendItems("clouds", message.clouds(), submap, submap.clouds));
+  RETURN_IF_ERROR(ValidateOneCloudEach(submap.clouds));
+  RETURN_IF_ERROR(AppendItems("landmark_sightings", message.landmark_sightings(), submap,
+                              submap.landmark_sightings));
+  RETURN_IF_ERROR(
+      AppendItems("robot_sightings", message.robot_sightings(), submap, submap.robot_sightings));
+  RETURN_IF_ERROR(ValidateOthers(submap.robot_sightings, mission));
+  RETURN_IF_ERROR(
+      AppendItems("absolute_poses", message.absolute_poses(), submap, submap.absolute_poses));
   return submap;
 }
 

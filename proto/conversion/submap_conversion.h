@@ -9,7 +9,7 @@
 namespace overtone {
 
 v1::LoopClosure ToProto(const LoopClosure& closure);
-// The mission's first keyframe goes without a covariance.
+// The mission's first keyframe goes without a covariance, and clouds without their points.
 v1::Submap ToProto(const Submap& submap);
 
 // InvalidArgument naming the field, relative to the message, when a limit in submap.proto is

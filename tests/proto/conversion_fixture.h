@@ -60,6 +60,22 @@ inline LoopClosure MakeClosure(const NodeId& from, const NodeId& to) {
   return closure;
 }
 
+// A submap of five keyframes or more with one of everything that may lie beside keyframes and
+// closures.
+inline void AddOneOfEach(const MissionId& mission, Submap& submap) {
+  const int64_t index = submap.first_index + 2;
+  submap.keyframes[3].degenerate = true;
+  submap.keyframes[3].degenerate_direction = Eigen::Vector3d(0.6, 0, 0.8);
+  submap.candidates.push_back({{mission, index}, {{"bert", "x"}, 400}, 0.75});
+  submap.clouds.push_back({index, nullptr, std::string(32, 'c'), 1234});
+  Eigen::Matrix3d covariance = 0.01 * Eigen::Matrix3d::Identity();
+  covariance(0, 2) = covariance(2, 0) = 0.004;
+  submap.landmark_sightings.push_back({index, "tag_7", {1, 2, 3}, covariance});
+  submap.robot_sightings.push_back({index, "bert", {4, 5, 6}, covariance});
+  submap.absolute_poses.push_back(
+      {index, Rigid3d(ExpSO3(Eigen::Vector3d(0.1, 0, 0)), {7, 8, 9}), FullCovariance()});
+}
+
 // `num_missions` walks of `nodes_per_mission` nodes, about 0.4 m and 0.1 rad from node to node.
 inline MapGraph MakeGraph(std::mt19937& random, int num_missions, int nodes_per_mission) {
   std::normal_distribution<double> normal;

@@ -15,6 +15,7 @@
 namespace overtone {
 namespace {
 
+using testing::AddOneOfEach;
 using testing::FullCovariance;
 using testing::MakeClosure;
 using testing::MakeSubmap;
@@ -83,6 +84,37 @@ TEST(SubmapConversion, ASubmapSurvivesTheRoundTrip) {
   EXPECT_TRUE(decoded->loop_closures[0].from_tform_to == submap.loop_closures[0].from_tform_to);
 }
 
+TEST(SubmapConversion, WhatLiesBesideKeyframesSurvivesTheRoundTrip) {
+  Submap submap = MakeSubmap(2, 20, 7);
+  AddOneOfEach(kMission, submap);
+  const auto decoded = FromProto(ToProto(submap), kMission);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(decoded->keyframes[3].degenerate_direction, submap.keyframes[3].degenerate_direction);
+  EXPECT_TRUE(decoded->keyframes[2].degenerate_direction.isZero(0));
+  ASSERT_EQ(decoded->candidates.size(), 1u);
+  EXPECT_EQ(decoded->candidates[0].from, submap.candidates[0].from);
+  EXPECT_EQ(decoded->candidates[0].to, submap.candidates[0].to);
+  EXPECT_EQ(decoded->candidates[0].score, 0.75);
+  ASSERT_EQ(decoded->clouds.size(), 1u);
+  EXPECT_EQ(decoded->clouds[0].index, 22);
+  EXPECT_EQ(decoded->clouds[0].sha256, std::string(32, 'c'));
+  EXPECT_EQ(decoded->clouds[0].encoded_bytes, 1234);
+  ASSERT_EQ(decoded->landmark_sightings.size(), 1u);
+  EXPECT_EQ(decoded->landmark_sightings[0].index, 22);
+  EXPECT_EQ(decoded->landmark_sightings[0].landmark, "tag_7");
+  EXPECT_EQ(decoded->landmark_sightings[0].point_in_body, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(decoded->landmark_sightings[0].covariance, submap.landmark_sightings[0].covariance);
+  ASSERT_EQ(decoded->robot_sightings.size(), 1u);
+  EXPECT_EQ(decoded->robot_sightings[0].index, 22);
+  EXPECT_EQ(decoded->robot_sightings[0].robot, "bert");
+  EXPECT_EQ(decoded->robot_sightings[0].point_in_body, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(decoded->robot_sightings[0].covariance, submap.robot_sightings[0].covariance);
+  ASSERT_EQ(decoded->absolute_poses.size(), 1u);
+  EXPECT_EQ(decoded->absolute_poses[0].index, 22);
+  EXPECT_TRUE(decoded->absolute_poses[0].map_from_body == submap.absolute_poses[0].map_from_body);
+  EXPECT_TRUE(decoded->absolute_poses[0].covariance.isApprox(submap.absolute_poses[0].covariance));
+}
+
 TEST(SubmapConversion, OnlyTheMissionsFirstKeyframeGoesWithoutCovariance) {
   EXPECT_FALSE(ToProto(MakeSubmap(0, 0, 2)).keyframes(0).has_motion_covariance());
   EXPECT_TRUE(ToProto(MakeSubmap(0, 0, 2)).keyframes(1).has_motion_covariance());
@@ -93,6 +125,7 @@ TEST(SubmapConversion, DamagedBytesNeverCrashTheDecoder) {
   std::mt19937 random(kSeed);
   Submap submap = MakeSubmap(1, 5, 6);
   submap.loop_closures.push_back(MakeClosure({kMission, 6}, {kMission, 2}));
+  AddOneOfEach(kMission, submap);
   const std::string good = ToProto(submap).SerializeAsString();
   int refused = 0;
   for (int i = 0; i < 5000; ++i) {

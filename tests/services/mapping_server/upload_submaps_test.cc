@@ -169,13 +169,91 @@ std::vector<BadSubmap> BadSubmaps() {
   };
 }
 
+// Of what lies beside keyframes and closures.
+std::vector<BadSubmap> BadBelongings() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto keyframe = [](v1::Submap& s) { return s.mutable_keyframes(3); };
+  const auto candidate = [](v1::Submap& s) { return s.mutable_candidates(0); };
+  const auto cloud = [](v1::Submap& s) { return s.mutable_clouds(0); };
+  const auto landmark = [](v1::Submap& s) { return s.mutable_landmark_sightings(0); };
+  const auto robot = [](v1::Submap& s) { return s.mutable_robot_sightings(0); };
+  const auto pose = [](v1::Submap& s) { return s.mutable_absolute_poses(0); };
+  const auto fill = [](auto* messages, int count) {
+    while (messages->size() < count) messages->Add();
+  };
+  return {
+      {"submap.keyframes[3].degenerate_direction:",
+       [=](auto& s) { keyframe(s)->set_degenerate(false); }},
+      {"submap.keyframes[3].degenerate_direction:",
+       [=](auto& s) { keyframe(s)->mutable_degenerate_direction()->set_x(0.61); }},
+      {"submap.keyframes[3].degenerate_direction:",
+       [=](auto& s) { keyframe(s)->mutable_degenerate_direction()->Clear(); }},
+      {"submap.keyframes[3].degenerate_direction:",
+       [=](auto& s) { keyframe(s)->mutable_degenerate_direction()->set_y(nan); }},
+      {"submap.candidates[0].from.index:",
+       [=](auto& s) { candidate(s)->mutable_from()->set_index(-1); }},
+      {"submap.candidates[0].to:",
+       [=](auto& s) { *candidate(s)->mutable_to() = candidate(s)->from(); }},
+      {"submap.candidates[0].from:",
+       [=](auto& s) { candidate(s)->mutable_from()->mutable_mission()->set_robot("carl"); }},
+      {"submap.candidates[0].score:", [=](auto& s) { candidate(s)->set_score(1.01); }},
+      {"submap.candidates[0].score:", [=](auto& s) { candidate(s)->set_score(-0.01); }},
+      {"submap.candidates[0].score:", [=](auto& s) { candidate(s)->set_score(nan); }},
+      {"submap.candidates:", [=](auto& s) { fill(s.mutable_candidates(), 2001); }},
+      {"submap.clouds[0].index:", [=](auto& s) { cloud(s)->set_index(9); }},
+      {"submap.clouds[0].index:", [=](auto& s) { cloud(s)->set_index(15); }},
+      {"submap.clouds[1].index:", [=](auto& s) { *s.add_clouds() = *cloud(s); }},
+      {"submap.clouds[0].sha256:", [=](auto& s) { cloud(s)->clear_sha256(); }},
+      {"submap.clouds[0].sha256:", [=](auto& s) { cloud(s)->set_sha256(std::string(33, 'c')); }},
+      {"submap.clouds[0].encoded_bytes:", [=](auto& s) { cloud(s)->set_encoded_bytes(0); }},
+      {"submap.clouds[0].encoded_bytes:",
+       [=](auto& s) { cloud(s)->set_encoded_bytes((16 << 20) + 1); }},
+      {"submap.clouds:", [=](auto& s) { fill(s.mutable_clouds(), 2001); }},
+      {"submap.landmark_sightings[0].index:", [=](auto& s) { landmark(s)->set_index(9); }},
+      {"submap.landmark_sightings[0].landmark:", [=](auto& s) { landmark(s)->set_landmark("A"); }},
+      {"submap.landmark_sightings[0].landmark:", [=](auto& s) { landmark(s)->clear_landmark(); }},
+      {"submap.landmark_sightings[0].point_in_body:",
+       [=](auto& s) { landmark(s)->clear_point_in_body(); }},
+      {"submap.landmark_sightings[0].point_in_body.y:",
+       [=](auto& s) { landmark(s)->mutable_point_in_body()->set_y(nan); }},
+      {"submap.landmark_sightings[0].point_in_body.z:",
+       [=](auto& s) { landmark(s)->mutable_point_in_body()->set_z(1.1e7); }},
+      {"submap.landmark_sightings[0].covariance.upper_triangle:",
+       [=](auto& s) { landmark(s)->clear_covariance(); }},
+      {"submap.landmark_sightings[0].covariance.upper_triangle[1]:",
+       [=](auto& s) { landmark(s)->mutable_covariance()->set_upper_triangle(1, nan); }},
+      {"submap.landmark_sightings[0].covariance.upper_triangle:",
+       [=](auto& s) { landmark(s)->mutable_covariance()->set_upper_triangle(5, 0); }},
+      {"submap.landmark_sightings[0].covariance.upper_triangle:",
+       [=](auto& s) { landmark(s)->mutable_covariance()->set_upper_triangle(2, 0.01); }},
+      {"submap.landmark_sightings:", [=](auto& s) { fill(s.mutable_landmark_sightings(), 10001); }},
+      {"submap.robot_sightings[0].index:", [=](auto& s) { robot(s)->set_index(-1); }},
+      {"submap.robot_sightings[0].robot:", [=](auto& s) { robot(s)->set_robot("anna"); }},
+      {"submap.robot_sightings[0].robot:", [=](auto& s) { robot(s)->set_robot("-"); }},
+      {"submap.robot_sightings[0].point_in_body.x:",
+       [=](auto& s) { robot(s)->mutable_point_in_body()->set_x(nan); }},
+      {"submap.robot_sightings[0].covariance.upper_triangle:",
+       [=](auto& s) { robot(s)->mutable_covariance()->add_upper_triangle(0); }},
+      {"submap.robot_sightings:", [=](auto& s) { fill(s.mutable_robot_sightings(), 10001); }},
+      {"submap.absolute_poses[0].index:", [=](auto& s) { pose(s)->set_index(15); }},
+      {"submap.absolute_poses[0].map_tform_body.position:",
+       [=](auto& s) { pose(s)->clear_map_tform_body(); }},
+      {"submap.absolute_poses[0].covariance.upper_triangle:",
+       [=](auto& s) { pose(s)->clear_covariance(); }},
+      {"submap.absolute_poses:", [=](auto& s) { fill(s.mutable_absolute_poses(), 2001); }},
+  };
+}
+
 TEST_F(UploadSubmapsTest, EveryBadSubmapIsRejectedByFieldAndChangesNothing) {
   Uploader uploader(*mapping_, "mine", kMission);
   uploader.Read();
   uploader.Send(MakeSubmap(0, 0, 10));
   Submap good = MakeSubmap(1, 10, 5);
   good.loop_closures.push_back(MakeClosure({kMission, 2}, {kMission, 12}));
-  for (const BadSubmap& bad : BadSubmaps()) {
+  testing::AddOneOfEach(kMission, good);
+  std::vector<BadSubmap> bads = BadSubmaps();
+  for (BadSubmap& bad : BadBelongings()) bads.push_back(std::move(bad));
+  for (const BadSubmap& bad : bads) {
     v1::Submap submap = ToProto(good);
     bad.spoil(submap);
     const auto answer = uploader.Send(submap);
