@@ -5,6 +5,7 @@
 #include "overtone/client/cli/admin_commands.h"
 #include "overtone/client/cli/replay_command.h"
 #include "overtone/client/cli/robot_command.h"
+#include "overtone/client/cli/simulate_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Overtone: collaborative multi-robot mapping", "overtone");
@@ -15,6 +16,7 @@ int main(int argc, char** argv) {
   std::function<int()> run;
   overtone::AddReplayCommand(&app, &run);
   overtone::AddRobotCommand(&app, &run);
+  overtone::AddSimulateCommand(&app, &run);
   overtone::AddAdminCommands(&app, &run);
   try {
     app.parse(argc, argv);

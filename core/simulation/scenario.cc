@@ -11,6 +11,7 @@
 #include "overtone/core/simulation/option_range.h"
 #include "overtone/core/simulation/random.h"
 #include "overtone/core/simulation/uniform_spline.h"
+#include "overtone/core/simulation/value_noise.h"
 
 namespace overtone {
 namespace {
@@ -18,9 +19,9 @@ namespace {
 constexpr double kExploredLengthM = 300;
 constexpr int64_t kStartNs = 1'700'000'000'000'000'000;  // of every run: an instant in 2023
 constexpr double kControlSpacingM = 1.5;                 // corners are rounded over about twice it
-constexpr double kWanderM = 0.12;     // how far from the middle of the way, one sigma
-constexpr double kMaxWanderM = 0.25;  // and at most, along x and y each
-constexpr double kFootprintM = 0.8;   // length over which the body levels the ground
+constexpr double kWanderM = 0.5;     // how far from the middle of the way, along x and y each
+constexpr double kWanderWaveM = 8;   // along the way
+constexpr double kFootprintM = 0.8;  // length over which the body levels the ground
 
 // Positions along the walk, evenly spaced, up to length_m.
 std::vector<Eigen::Vector2d> SpacedPoints(const NavigationGraph& graph,
@@ -49,9 +50,10 @@ std::vector<Eigen::Vector2d> ControlPoints(const ScenarioOptions& options, const
   scene.graph.Explore(length_m + 3 * kControlSpacingM, random, &walk);
   std::vector<Eigen::Vector2d> control =
       SpacedPoints(scene.graph, walk, length_m + 2 * kControlSpacingM);
-  for (Eigen::Vector2d& point : control) {
-    const Eigen::Vector2d wander = kWanderM * random.Normal3().head<2>();
-    point += wander.cwiseMax(-kMaxWanderM).cwiseMin(kMaxWanderM);
+  const uint64_t x_seed = random.Fork(), y_seed = random.Fork();
+  for (size_t i = 0; i < control.size(); ++i) {
+    const Eigen::Vector2d at(static_cast<double>(i) * kControlSpacingM / kWanderWaveM, 0);
+    control[i] += kWanderM * Eigen::Vector2d(ValueNoise(x_seed, at), ValueNoise(y_seed, at));
   }
   return control;
 }

@@ -74,11 +74,11 @@ Scene MakeSubterraneanScene(uint64_t seed) {
       graph.Visit({hall[4], hall[1], t2[5], t2[2], t3[0], t3[3], t1[1], t1[4], hall[2], hall[5],
                    hall[1], t2[4], t2[2], t1[0], hall[3]}),
       graph.Visit({hall[2], hall[5], u1[3], u1[0], u2[3], u2[5], u4[1], u4[3], u3[0], u3[1], u1[4],
-                   u1[2], hall[0], hall[3], hall[4], c1[0], hall[1], u1[0]}),
-      graph.Visit({hall[0], hall[3], c1[0], c1[2], c2[0], c2[4], c3[2], c3[0], c1[4], c1[1],
-                   hall[3], hall[1], c1[0], c3[1]}),
+                   u1[2], hall[0], hall[3], hall[4], c1[0], hall[1], t2[4]}),
+      graph.Visit({hall[0], hall[3], c1[0], c1[2], c2[0], c2[4], c3[2], c3[0], u3[3], u3[0], u1[4],
+                   u1[1], hall[0], hall[2], t1[4], t1[0], t2[3], t2[5], hall[0]}),
       graph.Visit({hall[3], hall[0], u1[3], u1[0], u2[1], t2[0], t2[3], t1[0], t1[3], c2[1], c2[0],
-                   c1[2], c1[0], hall[3], hall[0], u1[2]})};
+                   c1[2], c1[0], hall[3], hall[0], u1[2], u1[5], u3[1]})};
   return builder.scene();
 }
 

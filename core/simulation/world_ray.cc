@@ -57,12 +57,14 @@ double World::CastRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& dire
   while (true) {
     const int across = next[0] < next[1] ? 0 : 1;
     ray.end = std::min(next[across], limit);
+    const double z_end = origin.z() + ray.end * direction.z();
     const int index = CellIndex(cell);
     const Cell& here = cells_[index];
-    const double z_end = origin.z() + ray.end * direction.z();
-    if (std::min(z, z_end) <= here.highest_ground || std::max(z, z_end) >= here.lowest_ceiling ||
-        cells_[index + 1].first_wall > here.first_wall ||
-        cells_[index + 1].first_object > here.first_object) {
+    const Cell& after = cells_[index + 1];
+    const bool empty =
+        std::min(z, z_end) > here.highest_ground && std::max(z, z_end) < here.lowest_ceiling &&
+        here.first_wall == after.first_wall && here.first_object == after.first_object;
+    if (!empty) {
       const double hit = CastInCell(cell, ray);
       if (hit <= limit) return hit;
     }
@@ -77,17 +79,24 @@ double World::CastRay(const Eigen::Vector3d& origin, const Eigen::Vector3d& dire
 
 double World::CastInCell(const Eigen::Vector2i& cell, const Ray& ray) const {
   const int index = CellIndex(cell);
-  if (cells_[index].highest_ground == kNone) return ray.begin;
-  double hit = std::min(CastToSheet(ground_, 1, cell, ray), CastToSheet(ceiling_, -1, cell, ray));
+  const Cell& here = cells_[index];
+  if (here.highest_ground == kNone) return ray.begin;  // solid
+  const double z_begin = ray.origin.z() + ray.begin * ray.direction.z();
+  const double z_end = ray.origin.z() + ray.end * ray.direction.z();
+  double hit = kNone;
+  if (std::min(z_begin, z_end) <= here.highest_ground) hit = CastToSheet(ground_, 1, cell, ray);
+  if (std::max(z_begin, z_end) >= here.lowest_ceiling) {
+    hit = std::min(hit, CastToSheet(ceiling_, -1, cell, ray));
+  }
   // Walls and obstacles reach into other cells: what lies behind this one may lie behind another
   // hit.
   const double seam = kSeam * (1 + ray.end);
   const double end = ray.end + seam;
-  for (uint32_t i = cells_[index].first_wall; i < cells_[index + 1].first_wall; ++i) {
+  for (uint32_t i = here.first_wall; i < cells_[index + 1].first_wall; ++i) {
     const double t = CastToWall(walls_[i], ray.origin.head<2>(), ray.direction.head<2>());
     if (t >= ray.begin - seam && t <= end) hit = std::min(hit, t);
   }
-  for (uint32_t i = cells_[index].first_object; i < cells_[index + 1].first_object; ++i) {
+  for (uint32_t i = here.first_object; i < cells_[index + 1].first_object; ++i) {
     const double t = overtone::CastRay(obstacles_[objects_[i]], ray.origin, ray.direction);
     if (t <= end) hit = std::min(hit, t);
   }
