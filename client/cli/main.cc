@@ -6,6 +6,7 @@
 #include "overtone/client/cli/closure_commands.h"
 #include "overtone/client/cli/replay_command.h"
 #include "overtone/client/cli/robot_command.h"
+#include "overtone/client/cli/simulate_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Overtone: collaborative multi-robot mapping", "overtone");
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
   std::function<int()> run;
   overtone::AddReplayCommand(&app, &run);
   overtone::AddRobotCommand(&app, &run);
+  overtone::AddSimulateCommand(&app, &run);
   overtone::AddAdminCommands(&app, &run);
   overtone::AddClosureCommands(&app, &run);
   try {

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "overtone/core/simulation/ground_pose.h"
+
 namespace overtone {
 namespace {
 
@@ -41,14 +43,7 @@ Eigen::Vector2d Campus::Slope(const Eigen::Vector2d& position) {
 }
 
 Rigid3d Campus::PoseOnGround(const Eigen::Vector2d& position, const Eigen::Vector2d& heading) {
-  const Eigen::Vector2d slope = Slope(position);
-  const Eigen::Vector3d forward =
-      Eigen::Vector3d(heading.x(), heading.y(), slope.dot(heading)).normalized();
-  const Eigen::Vector3d up = Eigen::Vector3d(-slope.x(), -slope.y(), 1).normalized();
-  Eigen::Matrix3d map_from_body;  // orthonormal: `forward` lies in the ground's tangent plane
-  map_from_body << forward, up.cross(forward), up;
-  return Rigid3d(Eigen::Quaterniond(map_from_body).normalized(),
-                 Eigen::Vector3d(position.x(), position.y(), Height(position)));
+  return PoseOnSlope({position.x(), position.y(), Height(position)}, Slope(position), heading);
 }
 
 std::vector<Eigen::Vector2d> Campus::RandomWalk(int num_streets, Random& random) {

@@ -25,7 +25,8 @@ absl::Status OdometryNoise::Validate() const {
   return absl::OkStatus();
 }
 
-Trajectory SimulateOdometry(const Trajectory& truth, const OdometryNoise& noise, uint64_t seed) {
+Trajectory SimulateOdometry(const Trajectory& truth, const OdometryNoise& noise, uint64_t seed,
+                            const MotionFault& fault) {
   Random random(seed);
   const double scale = 1 + noise.scale_sigma * random.Normal();
   double yaw_bias = noise.initial_yaw_bias_sigma * random.Normal();
@@ -35,6 +36,7 @@ Trajectory SimulateOdometry(const Trajectory& truth, const OdometryNoise& noise,
   for (size_t i = 1; i < truth.size(); ++i) {
     const double dt = SecondsBetween(truth[i - 1].stamp, truth[i].stamp);
     Rigid3d previous_from_this = truth[i - 1].pose.Inverse() * truth[i].pose;
+    if (fault) previous_from_this = fault(static_cast<int>(i), previous_from_this);
     previous_from_this.translation *= scale;
     Vector6d error;
     error.head<3>() = noise.translation_density * std::sqrt(dt) * random.Normal3();

@@ -4,6 +4,7 @@
 #define OVERTONE_CORE_SIMULATION_ODOMETRY_NOISE_H_
 
 #include <cstdint>
+#include <functional>
 
 #include "absl/status/status.h"
 #include "overtone/core/geometry/trajectory.h"
@@ -21,10 +22,15 @@ struct OdometryNoise {
   absl::Status Validate() const;  // all finite and >= 0
 };
 
-// The motion of each step, scaled and disturbed on the right: prev_from_next * Exp(noise), composed
-// from the identity. Same stamps as `truth`; empty when that is. Valid `noise` expected. One seed,
-// one result.
-Trajectory SimulateOdometry(const Trajectory& truth, const OdometryNoise& noise, uint64_t seed);
+// What goes wrong beside noise: the motion of a step, from pose step - 1 to pose step >= 1, as the
+// sensors let it appear.
+using MotionFault = std::function<Rigid3d(int step, const Rigid3d& previous_from_this)>;
+
+// The motion of each step, first with its fault if there is one, then scaled and disturbed on the
+// right: prev_from_next * Exp(noise), composed from the identity. Same stamps as `truth`; empty
+// when that is. Valid `noise` expected. One seed, one result; a fault does not shift the noise.
+Trajectory SimulateOdometry(const Trajectory& truth, const OdometryNoise& noise, uint64_t seed,
+                            const MotionFault& fault = nullptr);
 
 }  // namespace overtone
 
