@@ -57,6 +57,10 @@ absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const Server
   RETURN_IF_ERROR(options.Validate());
   std::unique_ptr<MappingServer> server(new MappingServer(options));
   RETURN_IF_ERROR(server->Listen());
+  if (!options.metrics_listen.empty()) {
+    ASSIGN_OR_RETURN(server->metrics_,
+                     MetricsEndpoint::Start(options.metrics_listen, &server->registry_));
+  }
   return server;
 }
 
@@ -88,6 +92,7 @@ std::string MappingServer::address() const {
 void MappingServer::Shutdown(absl::Duration deadline) {
   if (server_ == nullptr) return;
   spdlog::info("shutting down");
+  metrics_.reset();
   server_->GetHealthCheckService()->Shutdown();  // load balancers look elsewhere
   sessions_.Stop();
   registry_.Stop();

@@ -11,6 +11,7 @@
 #include "overtone/services/mapping_server/map_admin_service.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
+#include "overtone/services/mapping_server/metrics.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 
@@ -26,6 +27,8 @@ class MappingServer {
   ~MappingServer();
 
   int port() const { return port_; }
+  // Of the metrics; 0 when there are none.
+  int metrics_port() const { return metrics_ == nullptr ? 0 : metrics_->port(); }
   // host:port, with the port that was taken.
   std::string address() const;
 
@@ -42,6 +45,7 @@ class MappingServer {
   UploadSessions sessions_;
   MappingService mapping_service_;
   MapAdminService map_admin_service_;
+  std::unique_ptr<MetricsEndpoint> metrics_;
   int port_ = 0;
   std::unique_ptr<grpc::Server> server_;
 };

@@ -48,6 +48,7 @@ std::map<std::string, Setter> Keys(ServerOptions& options) {
   LoopDetectorOptions& loops = options.loop_closures;
   return {
       {"listen", Into(options.listen)},
+      {"metrics_listen", Into(options.metrics_listen)},
       {"log_level", Into(options.log_level)},
       {"reflection", Into(options.reflection)},
       {"keepalive_s", Into(options.keepalive_s)},

@@ -19,7 +19,7 @@ absl::Status InRange(absl::string_view name, T value, T smallest, T largest) {
   return InvalidField(name, absl::StrCat(value, " is not in [", smallest, ", ", largest, "]"));
 }
 
-absl::Status ValidateListen(absl::string_view listen) {
+absl::Status ValidateListen(absl::string_view name, absl::string_view listen) {
   const size_t colon = listen.rfind(':');
   const bool host_and_port = colon != absl::string_view::npos && colon > 0;
   int port = -1;
@@ -27,7 +27,7 @@ absl::Status ValidateListen(absl::string_view listen) {
       port <= 65535) {
     return absl::OkStatus();
   }
-  return InvalidField("listen", absl::StrCat("'", listen, "' is not host:port"));
+  return InvalidField(name, absl::StrCat("'", listen, "' is not host:port"));
 }
 
 absl::Status ValidateLogLevel(absl::string_view level) {
@@ -67,7 +67,8 @@ absl::Status PublisherOptions::Validate() const {
 }
 
 absl::Status ServerOptions::Validate() const {
-  RETURN_IF_ERROR(ValidateListen(listen));
+  RETURN_IF_ERROR(ValidateListen("listen", listen));
+  if (!metrics_listen.empty()) RETURN_IF_ERROR(ValidateListen("metrics_listen", metrics_listen));
   RETURN_IF_ERROR(ValidateLogLevel(log_level));
   RETURN_IF_ERROR(InRange("keepalive_s", keepalive_s, 1.0, 3600.0));
   RETURN_IF_ERROR(InRange("shutdown_s", shutdown_s, 0.0, 600.0));

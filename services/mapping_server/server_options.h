@@ -49,6 +49,8 @@ struct PublisherOptions {
 struct ServerOptions {
   // host:port; port 0 takes a free one. Only this host by default: there is no authentication yet.
   std::string listen = "localhost:7077";
+  // host:port of http://.../metrics for Prometheus; empty: none.
+  std::string metrics_listen;
   // trace, debug, info, warning, error, critical, off. To stderr.
   std::string log_level = "info";
   // The schema, for grpcurl and buf curl. Off where the API should not explain itself.
