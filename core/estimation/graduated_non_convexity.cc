@@ -7,9 +7,9 @@ namespace overtone {
 namespace {
 
 // Solves between two weight updates need not be exact: the next one goes on from there.
-constexpr int kInnerIterations = 1;
+constexpr int kInnerSteps = 1;
 // Enough for a set of measurements that fits; one that does not is left to the schedule.
-constexpr int kProbeIterations = 5;
+constexpr int kProbeSteps = 5;
 // Truncation: with this mu only residuals within 6 % of the limit have a weight between 0 and 1.
 constexpr double kSharpMu = 16;
 // Updates of the final 0/1 weights; more than a few mean that a measurement sits on the limit
@@ -29,7 +29,7 @@ class GncRun {
     const PoseGraphEstimate initial = problem_.Estimate();
     SetWeights(initial_weights);
     SolveLimits probe = limits_;
-    probe.max_iterations = std::min(limits_.max_iterations, kProbeIterations);
+    probe.max_steps = kProbeSteps;
     Solve(probe);
     const double initial_cost = last_.initial_cost;
     if (weights_ != ThresholdWeights()) {
@@ -52,7 +52,7 @@ class GncRun {
   // there, since that one fits and the right ones do not.
   void RunSchedule() {
     SolveLimits inner = limits_;
-    inner.max_iterations = std::min(limits_.max_iterations, kInnerIterations);
+    inner.max_steps = kInnerSteps;
     double mu = InitialControlParameter(options_.loss, LargestRatio(), kLimit);
     for (int step = 0; step < options_.max_steps; ++step) {
       SetWeights(SurrogateWeights(mu));

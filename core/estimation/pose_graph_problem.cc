@@ -20,6 +20,19 @@ ceres::Problem::Options NonOwningOptions() {
   return options;
 }
 
+class StepLimit final : public ceres::IterationCallback {
+ public:
+  explicit StepLimit(int max_steps) : steps_left_(max_steps) {}
+
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (summary.iteration > 0 && summary.step_is_successful) --steps_left_;
+    return steps_left_ > 0 ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  int steps_left_;
+};
+
 ceres::Solver::Options SolverOptions(const SolveLimits& limits) {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -136,8 +149,11 @@ int PoseGraphProblem::NumComponents() const {
 
 SolveSummary PoseGraphProblem::Solve(const SolveLimits& limits) {
   HoldOnePosePerComponent();
+  StepLimit step_limit(limits.max_steps);
+  ceres::Solver::Options options = SolverOptions(limits);
+  options.callbacks.push_back(&step_limit);
   ceres::Solver::Summary summary;
-  ceres::Solve(SolverOptions(limits), problem_.get(), &summary);
+  ceres::Solve(options, problem_.get(), &summary);
   SolveSummary result;
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;

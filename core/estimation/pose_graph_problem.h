@@ -7,6 +7,7 @@
 #ifndef OVERTONE_CORE_ESTIMATION_POSE_GRAPH_PROBLEM_H_
 #define OVERTONE_CORE_ESTIMATION_POSE_GRAPH_PROBLEM_H_
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -20,7 +21,8 @@ namespace overtone {
 
 struct SolveLimits {
   int max_iterations = 0;
-  double function_tolerance = 0;  // relative decrease of the cost
+  int max_steps = std::numeric_limits<int>::max();  // iterations that lower the cost
+  double function_tolerance = 0;                    // relative decrease of the cost
   int num_threads = 1;
 };
 
