@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "overtone/core/geometry/trajectory_error.h"
 #include "overtone/core/mapping/multi_robot_map.h"
 #include "overtone/tests/core/mapping/map_test_support.h"
 
@@ -74,6 +75,17 @@ class EvidenceTest : public ::testing::Test {
     return std::sqrt(sum / static_cast<double>(truth.size()));
   }
 
+  // Of all missions together, after one alignment: what the held first pose turns is no error.
+  double TeamRmse(const MapSnapshot& snapshot) {
+    std::vector<Rigid3d> estimate, truth;
+    for (const SnapshotMission& mission : snapshot.missions) {
+      estimate.insert(estimate.end(), mission.map_from_body.begin(), mission.map_from_body.end());
+      const std::vector<Rigid3d>& of_robot = truth_[mission.id.robot];
+      truth.insert(truth.end(), of_robot.begin(), of_robot.end());
+    }
+    return AbsoluteTrajectoryError(estimate, truth)->rmse_m;
+  }
+
   std::mt19937 random_{9};
   std::map<std::string, std::vector<Rigid3d>> truth_, odometry_;
   std::vector<Eigen::Vector3d> landmarks_;
@@ -90,12 +102,12 @@ TEST_F(EvidenceTest, MissionsThatSawTheSameLandmarksBecomeOneComponent) {
   const auto snapshot = map.Optimise();
   for (const SnapshotMission& mission : snapshot->missions) {
     EXPECT_TRUE(mission.anchored) << mission.id.robot;
-    EXPECT_LT(Rmse(mission), 0.15) << mission.id.robot;
   }
+  EXPECT_LT(TeamRmse(*snapshot), 0.1);
   EXPECT_EQ(snapshot->landmarks.size(), landmarks_.size());
   for (const SnapshotLandmark& landmark : snapshot->landmarks) {
     const int k = landmark.id.back() - '0';
-    EXPECT_LT((landmark.position - landmarks_[k]).norm(), 0.3) << landmark.id;
+    EXPECT_LT((landmark.position - landmarks_[k]).norm(), 0.5) << landmark.id;
     EXPECT_GT(landmark.sightings, 0);
   }
 }
@@ -114,7 +126,7 @@ TEST_F(EvidenceTest, SightingsOfWrongLandmarksAreDemotedAndDoNoHarm) {
   }
   map.Optimise();
   const auto snapshot = map.Optimise();
-  for (const SnapshotMission& mission : snapshot->missions) EXPECT_LT(Rmse(mission), 0.2);
+  EXPECT_LT(TeamRmse(*snapshot), 0.1);
   EXPECT_GE(snapshot->sightings_demoted, 0.9 * wrong);
   EXPECT_LT(snapshot->sightings_demoted, 2 * wrong);
 }
