@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "google/protobuf/util/json_util.h"
 #include "overtone/client/cli/admin_client.h"
+#include "overtone/client/cli/closure_names.h"
 #include "overtone/client/cli/exit_code.h"
 #include "overtone/client/cli/table.h"
 #include "overtone/core/common/status_macros.h"
@@ -83,17 +84,6 @@ absl::Status ShowMissions(const AdminFlags& flags) {
 
 std::string NodeName(const v1::NodeId& node) {
   return absl::StrCat(node.mission().robot(), "/", node.mission().mission(), ":", node.index());
-}
-
-std::string VerdictName(v1::LoopClosureVerdict verdict) {
-  switch (verdict) {
-    case v1::LOOP_CLOSURE_VERDICT_ACCEPTED:
-      return "accepted";
-    case v1::LOOP_CLOSURE_VERDICT_DEMOTED_BY_OPTIMISER:
-      return "demoted";
-    default:
-      return "pending";
-  }
 }
 
 absl::Status ShowClosures(const AdminFlags& flags) {
