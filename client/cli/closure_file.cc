@@ -73,6 +73,30 @@ absl::StatusOr<std::optional<LoopClosure>> ParseRow(absl::string_view line,
   return PlaceClosure(*from.plan, from.row, *to.plan, to.row, pose, covariance);
 }
 
+// Where the header has a column of this name.
+std::optional<size_t> FindColumn(absl::string_view header, absl::string_view name) {
+  const std::vector<absl::string_view> names = absl::StrSplit(header, ',');
+  const auto column = std::find(names.begin(), names.end(), name);
+  if (column == names.end()) return std::nullopt;
+  return column - names.begin();
+}
+
+bool IsRobots(absl::string_view line, std::optional<size_t> proposer_column) {
+  if (!proposer_column.has_value()) return true;
+  const std::vector<absl::string_view> fields = absl::StrSplit(line, ',');
+  return fields.size() <= *proposer_column || fields[*proposer_column] == "robot";
+}
+
+std::string Text(const std::optional<double>& value) {
+  return value.has_value() ? absl::StrFormat("%.6g", *value) : "";
+}
+
+std::string TruthColumns(const std::optional<ClosureTruth>& truth) {
+  if (!truth.has_value()) return ",,,,";
+  return absl::StrCat(",", Text(truth->distance_m), ",", Text(truth->error_m), ",",
+                      Text(truth->error_rad), ",", truth->right ? "yes" : "no");
+}
+
 // Of each axis, on average.
 double SigmaOf(const Matrix6d& covariance, int first) {
   return std::sqrt(covariance.diagonal().segment<3>(first).mean());
@@ -91,8 +115,10 @@ absl::StatusOr<std::vector<LoopClosure>> ReadClosures(const std::string& path,
     return absl::InvalidArgumentError(
         absl::StrCat(path, ": the first line must begin with \"", kHeader, "\""));
   }
+  const std::optional<size_t> proposer_column = FindColumn(line, "proposer");
   std::vector<LoopClosure> closures;
   while (reader.Next(&line)) {
+    if (!IsRobots(line, proposer_column)) continue;
     const absl::StatusOr<std::optional<LoopClosure>> closure = ParseRow(line, plans);
     if (!closure.ok()) return reader.Error(closure.status().message());
     if (closure->has_value()) closures.push_back(**closure);
@@ -105,7 +131,10 @@ absl::Status WriteClosures(const std::string& path, const RunResult& result) {
   std::map<std::string, const RobotResult*> robots;
   for (const RobotResult& robot : result.robots) robots[robot.name] = &robot;
   std::ofstream file(path);
-  file << kHeader << ",from_index,to_index,verdict,weight,chi_square,simulated,outlier\n";
+  file
+      << kHeader
+      << ",from_index,to_index,verdict,weight,chi_square,simulated,outlier,proposer,measured,score,"
+         "true_distance_m,error_m,error_rad,right\n";
   for (const ClosureResult& row : result.closures) {
     const LoopClosure& closure = row.closure;
     const auto stamp = [&robots](const NodeId& node) {
@@ -119,9 +148,11 @@ absl::Status WriteClosures(const std::string& path, const RunResult& result) {
                             q.y(), q.z(), q.w())
          << absl::StrFormat(",%.6g,%.6g", SigmaOf(closure.covariance, 0),
                             SigmaOf(closure.covariance, 3))
-         << absl::StrFormat(",%d,%d,%s,%.4g,%.6g,%s,%s\n", closure.from.index, closure.to.index,
+         << absl::StrFormat(",%d,%d,%s,%.4g,%.6g,%s,%s", closure.from.index, closure.to.index,
                             row.verdict, row.weight, row.chi_square, row.simulated ? "yes" : "no",
-                            row.outlier ? "yes" : "no");
+                            row.outlier ? "yes" : "no")
+         << absl::StrFormat(",%s,%s,%.4g", row.proposer, row.measured ? "yes" : "no", row.score)
+         << TruthColumns(row.truth) << "\n";
   }
   file.close();
   if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));

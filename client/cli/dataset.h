@@ -5,7 +5,9 @@
 #define OVERTONE_CLIENT_CLI_DATASET_H_
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -13,13 +15,26 @@
 #include "absl/status/statusor.h"
 #include "absl/strings/string_view.h"
 #include "overtone/client/cli/motion_noise.h"
+#include "overtone/client/cli/observations.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/geometry/trajectory.h"
 #include "overtone/core/graph/node_selection.h"
 
 namespace overtone {
 
-enum class DatasetKind { kExample, kEuroc, kMulran, kKitti, kTum, kG2o };
+enum class DatasetKind {
+  kExample,
+  kEuroc,
+  kMulran,
+  kKitti,
+  kTum,
+  kG2o,
+  // These come with what the sensors saw (sensor_dataset.h).
+  kMrclam,
+  kPcd,
+  kCarmen,
+  kTuc,
+};
 
 // What suits a kind of data when the user says nothing.
 struct DatasetDefaults {
@@ -51,6 +66,13 @@ struct FrameClosure {
   Matrix6d covariance = Matrix6d::Identity();
 };
 
+// Two frames that look alike to the robot's front end.
+struct FrameCandidate {
+  int64_t from_frame = 0;
+  int64_t to_frame = 0;
+  double score = 0;  // [0, 1]
+};
+
 struct Recording {
   std::string name;
   MissionId id;
@@ -60,9 +82,17 @@ struct Recording {
   std::vector<Matrix6d>
       motion_covariances;   // of the motion into each pose; empty: the noise model tells
   Trajectory ground_truth;  // world_from_body; empty: none
+  bool ground_truth_positions_only = false;  // its rotations say nothing
   // Takes this robot's world to the one all robots share; absent: nobody knows how they lie.
   std::optional<Rigid3d> common_from_world;
   std::vector<FrameClosure> closures;  // that came with the odometry (g2o)
+  std::vector<FrameCandidate> candidates;
+  Observations observations;    // by frame
+  std::set<int64_t> keyframes;  // frames that become keyframes whatever the distance
+  // Frames with a poorly observed motion into them, and its direction as in Keyframe.
+  std::map<int64_t, Eigen::Vector3d> degenerate;
+  std::vector<FrameClosure> relations;  // known to be true, for evaluation only
+  std::string note;                     // what was left out in reading, for people
 };
 
 // Errors name the file and line.

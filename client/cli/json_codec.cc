@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/client/cli/json_codec.h"
 
+#include <array>
 #include <stdexcept>
 
 #include "absl/strings/str_cat.h"
@@ -17,13 +18,6 @@ Enum FromName(const std::string& name, std::initializer_list<Enum> values) {
   throw std::invalid_argument("unknown name \"" + name + "\"");
 }
 
-Json ToJson(const NodeId& id) { return {id.mission.robot, id.mission.mission, id.index}; }
-
-NodeId NodeIdFromJson(const Json& json) {
-  return {{json.at(0).get<std::string>(), json.at(1).get<std::string>()},
-          json.at(2).get<int64_t>()};
-}
-
 }  // namespace
 
 absl::string_view ToString(ConstraintAction action) {
@@ -36,6 +30,13 @@ absl::string_view ToString(ConstraintAction action) {
       return "retract";
   }
   return "";
+}
+
+Json ToJson(const NodeId& id) { return {id.mission.robot, id.mission.mission, id.index}; }
+
+NodeId NodeIdFromJson(const Json& json) {
+  return {{json.at(0).get<std::string>(), json.at(1).get<std::string>()},
+          json.at(2).get<int64_t>()};
 }
 
 Json ToJson(const Rigid3d& pose) {
@@ -53,10 +54,15 @@ Json ToJson(const Matrix6d& covariance) {
 }
 
 Json ToJson(const Keyframe& keyframe) {
-  return {{"stamp_ns", keyframe.stamp.ns},
-          {"mission_tform_body", ToJson(keyframe.mission_from_body)},
-          {"motion_covariance", ToJson(keyframe.motion_covariance)},
-          {"degenerate", keyframe.degenerate}};
+  Json json = {{"stamp_ns", keyframe.stamp.ns},
+               {"mission_tform_body", ToJson(keyframe.mission_from_body)},
+               {"motion_covariance", ToJson(keyframe.motion_covariance)},
+               {"degenerate", keyframe.degenerate}};
+  const Eigen::Vector3d& direction = keyframe.degenerate_direction;
+  if (!direction.isZero(0)) {
+    json["degenerate_direction"] = {direction.x(), direction.y(), direction.z()};
+  }
+  return json;
 }
 
 Json ToJson(const LoopClosure& closure) {
@@ -107,6 +113,8 @@ Keyframe KeyframeFromJson(const Json& json) {
   keyframe.mission_from_body = PoseFromJson(json.at("mission_tform_body"));
   keyframe.motion_covariance = CovarianceFromJson(json.at("motion_covariance"));
   keyframe.degenerate = json.value("degenerate", false);
+  const auto direction = json.value("degenerate_direction", std::array<double, 3>{0, 0, 0});
+  keyframe.degenerate_direction = Eigen::Vector3d(direction[0], direction[1], direction[2]);
   return keyframe;
 }
 

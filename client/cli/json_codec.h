@@ -17,6 +17,7 @@ namespace overtone {
 
 using Json = nlohmann::json;
 
+Json ToJson(const NodeId& id);            // [robot, mission, index]
 Json ToJson(const Rigid3d& pose);         // [x, y, z, qx, qy, qz, qw]
 Json ToJson(const Matrix6d& covariance);  // upper triangle, 21 numbers
 Json ToJson(const Keyframe& keyframe);
@@ -26,6 +27,7 @@ Json ToJson(const ConstraintRecord& record);
 
 // These throw nlohmann::json::exception or std::exception for what does not fit: call them inside
 // Decode.
+NodeId NodeIdFromJson(const Json& json);
 Rigid3d PoseFromJson(const Json& json);
 Matrix6d CovarianceFromJson(const Json& json);
 Keyframe KeyframeFromJson(const Json& json);

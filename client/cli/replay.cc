@@ -65,7 +65,7 @@ class Replay {
   }
 
   absl::Status StartTeam() {
-    const std::vector<RobotRecording> recordings = MakeRecordings(input_);
+    std::vector<RobotRecording> recordings = MakeRecordings(input_);
     int64_t all_keyframes = 0;
     for (const RobotRecording& recording : recordings) all_keyframes += recording.keyframes.size();
     std::vector<TeamMember> members;
@@ -73,6 +73,7 @@ class Replay {
       const std::string& name = input_.plans[i].name;
       const std::string folder = absl::StrCat(options_.out, "/", name);
       RETURN_IF_ERROR(MakeFolder(folder));
+      RETURN_IF_ERROR(WriteClouds(folder + "/clouds", &recordings[i].observations));
       const std::string file = folder + "/recording.json";
       RETURN_IF_ERROR(WriteRobotRecording(file, recordings[i]));
       ClientFlags client = options_.client;
@@ -146,8 +147,8 @@ class Replay {
     return absl::OkStatus();
   }
 
-  // The first revision that holds all that the robots have sent. The server publishes on its own
-  // time; asking is all one can do from outside.
+  // The first revision that holds all that the robots have sent, and what the server's front end
+  // made of it. The server publishes on its own time; asking is all one can do from outside.
   absl::StatusOr<uint64_t> WaitUntilMapped(const std::vector<Json>& progress) {
     int64_t keyframes = keyframes_before_, closures = closures_before_;
     for (const Json& robot : progress) {
@@ -158,12 +159,16 @@ class Replay {
     for (;;) {
       RETURN_IF_ERROR(CheckRunning());
       ASSIGN_OR_RETURN(const v1::MapSummary map, admin_->GetMap(map_));
-      if (map.keyframes() >= keyframes && map.loop_closures() >= closures) return map.revision();
+      if (map.keyframes() >= keyframes && map.loop_closures() >= closures &&
+          map.front_end_backlog() == 0 && map.missing_blobs() == 0) {
+        return map.revision();
+      }
       if (absl::Now() >= deadline) {
         return absl::DeadlineExceededError(absl::StrFormat(
             "the server has mapped %d of %d keyframes and %d of %d loop closures after %g s "
-            "(--timeout)",
-            map.keyframes(), keyframes, map.loop_closures(), closures, options_.timeout_s));
+            "(--timeout); %d clouds and candidates wait for its front end, %d clouds are missing",
+            map.keyframes(), keyframes, map.loop_closures(), closures, options_.timeout_s,
+            map.front_end_backlog(), map.missing_blobs()));
       }
       absl::SleepFor(kPollInterval);
     }

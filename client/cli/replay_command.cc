@@ -18,7 +18,9 @@ const std::map<std::string, DatasetKind>& Datasets() {
   static const auto* const names = new std::map<std::string, DatasetKind>{
       {"example", DatasetKind::kExample}, {"euroc", DatasetKind::kEuroc},
       {"mulran", DatasetKind::kMulran},   {"kitti", DatasetKind::kKitti},
-      {"tum", DatasetKind::kTum},         {"g2o", DatasetKind::kG2o}};
+      {"tum", DatasetKind::kTum},         {"g2o", DatasetKind::kG2o},
+      {"mrclam", DatasetKind::kMrclam},   {"pcd", DatasetKind::kPcd},
+      {"carmen", DatasetKind::kCarmen},   {"tuc", DatasetKind::kTuc}};
   return *names;
 }
 
@@ -26,9 +28,33 @@ void AddInputFlags(CLI::App* command, ReplayOptions* options) {
   const std::string group = "Recordings";
   command
       ->add_option("--dataset", options->dataset_name,
-                   "Format and defaults: example (a simulated team, no files needed), euroc, "
-                   "mulran, kitti, tum, g2o")
-      ->check(CLI::IsMember({"example", "euroc", "mulran", "kitti", "tum", "g2o"}))
+                   "Format and defaults: example (a simulated team, no files needed); with "
+                   "--robot: euroc, mulran, kitti, tum, g2o; with PATH: mrclam, pcd, carmen, tuc")
+      ->check(CLI::IsMember(Datasets()))
+      ->capture_default_str()
+      ->group(group);
+  command
+      ->add_option("path", options->sensor_files.paths,
+                   "mrclam: folder of RobotN_*.dat; pcd: folders of Scans/NNNNNN.pcd, "
+                   "odom_poses.txt, times.txt, or folders of such; carmen: raw log; tuc: folder of "
+                   "NAME_Input.txt")
+      ->check(CLI::ExistingPath)
+      ->group(group);
+  command
+      ->add_option("--reference", options->sensor_files.reference,
+                   "carmen: the SLAM-corrected log, for ground truth")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  command
+      ->add_option("--relations", options->sensor_files.relations,
+                   "carmen: true relative poses, rows \"t1 t2 dx dy dz roll pitch yaw\", to "
+                   "evaluate against")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  command
+      ->add_option("--min-candidate-score", options->sensor_files.min_candidate_score,
+                   "tuc: leave out loop candidates below this")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->group(group);
   command
@@ -48,6 +74,12 @@ void AddInputFlags(CLI::App* command, ReplayOptions* options) {
       ->capture_default_str()
       ->group(group);
   command
+      ->add_option("--inject-drift", options->inject_drift,
+                   "Make the odometry worse: translation=M,rotation=RAD (random walk, after 1 m)"
+                   "[,seed=N], each robot its own; where there is no ground truth, the recorded "
+                   "odometry becomes it")
+      ->group(group);
+  command
       ->add_option("--alignment", options->alignments,
                    "NAME:file with the 3x4 matrix that takes NAME's ground truth to the frame of "
                    "the robots without one; only to make "
@@ -55,13 +87,14 @@ void AddInputFlags(CLI::App* command, ReplayOptions* options) {
       ->group(group);
   command
       ->add_option("--keyframe-distance", options->keyframe_distance_m,
-                   "Metres between keyframes [euroc, tum, example: 0.4; kitti, mulran: 2; g2o: "
-                   "every vertex]")
+                   "Metres between keyframes [0.4; tuc: 0.5; kitti, mulran: 2; g2o, pcd: every "
+                   "pose]; mrclam: sightings are keyframes too, carmen: poses of --reference and "
+                   "--relations")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
   command
       ->add_option("--keyframe-rotation", options->keyframe_rotation_rad,
-                   "Radians between keyframes [0.5; kitti, mulran: 0.3]")
+                   "Radians between keyframes [0.5; carmen, kitti, mulran: 0.3]")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
   command
@@ -92,6 +125,11 @@ void AddClosureFlags(CLI::App* command, ReplayOptions* options) {
                    "from_robot,from_stamp_s,to_robot,to_stamp_s,x,y,z,qx,qy,qz,qw,"
                    "sigma_t,sigma_r), or a .g2o whose vertex ids are rows of the odometry")
       ->check(CLI::ExistingFile)
+      ->group(group);
+  command
+      ->add_option("--closure-tolerance", options->closure_tolerance,
+                   "What the ground truth lets pass: translation=M,rotation=RAD off is right, "
+                   "keyframes place=M apart show one place [1, 0.1745, 5]")
       ->group(group);
 }
 
@@ -153,16 +191,32 @@ void AddReplayCommand(CLI::App* app, std::function<int()>* run) {
       "closures.csv,\n"
       "metrics.json and report.html. RMSE: of positions after SE(3) alignment to the ground truth, "
       "robot by robot.\n"
-      "Odometry and ground truth must be of the same body axes.\n\n"
+      "Odometry and ground truth must be of the same body axes. Closures, the robots' and the "
+      "server's own, are\n"
+      "judged by the ground truth: precision is the right ones among those in use, recall the "
+      "right ones in use\n"
+      "among those proposed that truly show one place.\n\n"
       "  overtone replay\n"
       "  overtone replay --dataset euroc --robot MH_01:odometry.txt:gt.txt --robot MH_02:... \\\n"
       "      --closures-from-ground-truth radius=1,sigma_t=0.03,sigma_r=0.00873,outliers=0 --out "
-      "run/");
+      "run/\n"
+      "  overtone replay --dataset mrclam MRCLAM_Dataset6\n"
+      "  overtone replay --dataset pcd robot_a robot_b\n"
+      "  overtone replay --dataset pcd HKU --split 2 --inject-drift "
+      "translation=0.05,rotation=0.01\n"
+      "  overtone replay --dataset carmen aces.clf --reference aces-corrected.log \\\n"
+      "      --relations aces.relations --split 3\n"
+      "  overtone replay --dataset tuc Lecture_Hall --min-candidate-score 0.5");
   AddInputFlags(command, options.get());
   AddClosureFlags(command, options.get());
   AddRunFlags(command, options.get());
   AddClientFlags(command, &options->client);
   command->callback([options, run, app] {
+    if (IsSensorDataset(Datasets().at(options->dataset_name)) ==
+        options->sensor_files.paths.empty()) {
+      throw CLI::ValidationError("path",
+                                 "mrclam, pcd, carmen and tuc need one, other datasets take none");
+    }
     options->dataset = Datasets().at(options->dataset_name);
     options->command_line = app->config_to_str(false);
     *run = [options] { return Run(*options); };

@@ -2,15 +2,16 @@
 #include "overtone/client/cli/replay_input.h"
 
 #include <map>
-#include <set>
 #include <utility>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "overtone/client/cli/closure_file.h"
 #include "overtone/client/cli/g2o_recording.h"
+#include "overtone/client/cli/load_recordings.h"
 #include "overtone/core/common/status_macros.h"
-#include "overtone/core/simulation/example_team.h"
 
 namespace overtone {
 namespace {
@@ -19,54 +20,10 @@ namespace {
 constexpr char kExampleClosures[] =
     "radius=1,sigma_t=0.05,sigma_r=0.01,outliers=0,density=0.3,max_per_keyframe=1";
 
-absl::StatusOr<std::vector<Recording>> SimulateExample(const ReplayOptions& options) {
-  ExampleTeamOptions team_options;
-  team_options.duration_s = options.example_duration_s;
-  team_options.seed = options.client.seed;
-  ASSIGN_OR_RETURN(const std::vector<SimulatedRobot> team, SimulateExampleTeam(team_options));
-  std::vector<Recording> recordings;
-  for (const SimulatedRobot& robot : team) {
-    Recording recording;
-    recording.name = robot.name;
-    ASSIGN_OR_RETURN(recording.id, MissionOf(robot.name));
-    recording.odometry = robot.odometry;
-    for (size_t i = 0; i < robot.odometry.size(); ++i) recording.frames.push_back(i);
-    recording.ground_truth = robot.ground_truth;
-    recording.common_from_world = Rigid3d::Identity();
-    recordings.push_back(std::move(recording));
-  }
-  return recordings;
-}
-
-absl::StatusOr<std::vector<Recording>> ReadRecordings(const ReplayOptions& options) {
-  if (options.robots.empty()) {
-    return absl::InvalidArgumentError("--robot NAME:odometry[:ground_truth] is needed");
-  }
-  std::vector<Recording> recordings;
-  std::set<MissionId> ids;
-  for (const std::string& text : options.robots) {
-    ASSIGN_OR_RETURN(const RobotSource source, ParseRobotSource(text));
-    ASSIGN_OR_RETURN(Recording recording, ReadRecording(options.dataset, source));
-    if (!ids.insert(recording.id).second) {
-      return absl::InvalidArgumentError(absl::StrCat("--robot ", source.name, " is given twice"));
-    }
-    recordings.push_back(std::move(recording));
-  }
-  return recordings;
-}
-
-absl::StatusOr<std::vector<Recording>> Load(const ReplayOptions& options) {
-  if (options.dataset == DatasetKind::kExample) return SimulateExample(options);
-  ASSIGN_OR_RETURN(std::vector<Recording> recordings, ReadRecordings(options));
-  RETURN_IF_ERROR(ApplyAlignments(options.alignments, &recordings));
-  if (options.split == 1) return recordings;
-  if (recordings.size() != 1) return absl::InvalidArgumentError("--split takes one --robot");
-  return SplitRecording(recordings[0], options.split, options.overlap);
-}
-
 absl::StatusOr<std::vector<RobotPlan>> MakePlans(const ReplayOptions& options,
-                                                 const std::vector<Recording>& recordings) {
-  const DatasetDefaults defaults = DefaultsOf(options.dataset);
+                                                 const LoadedRecordings& loaded) {
+  DatasetDefaults defaults = DefaultsOf(options.dataset);
+  if (loaded.drift.has_value()) defaults.noise = WithDrift(defaults.noise, *loaded.drift);
   KeyframeSelectionOptions keyframes = defaults.keyframes;
   keyframes.min_distance_m = options.keyframe_distance_m.value_or(keyframes.min_distance_m);
   keyframes.min_rotation_rad = options.keyframe_rotation_rad.value_or(keyframes.min_rotation_rad);
@@ -77,7 +34,7 @@ absl::StatusOr<std::vector<RobotPlan>> MakePlans(const ReplayOptions& options,
     return absl::InvalidArgumentError(absl::StrCat("--odometry-sigma: ", noise.status().message()));
   }
   std::vector<RobotPlan> plans;
-  for (const Recording& recording : recordings) {
+  for (const Recording& recording : loaded.recordings) {
     ASSIGN_OR_RETURN(RobotPlan plan, MakeRobotPlan(recording, keyframes, *noise));
     plans.push_back(std::move(plan));
   }
@@ -128,22 +85,78 @@ absl::Status AddSimulated(const ReplayOptions& options, ReplayInput* input) {
   return absl::OkStatus();
 }
 
+// What came with the recordings: of each for its own robot, of one that was cut for all its parts.
+void AddRecorded(const ReplayOptions& options, const std::vector<Recording>& recordings,
+                 ReplayInput* input) {
+  const bool cut = options.split > 1;
+  for (size_t i = 0; i < (cut ? 1 : recordings.size()); ++i) {
+    const std::vector<RobotPlan> own =
+        cut ? std::vector<RobotPlan>() : std::vector<RobotPlan>{input->plans[i]};
+    const std::vector<RobotPlan>& plans = cut ? input->plans : own;
+    AddMeasured(PlaceClosures(recordings[i].closures, plans), input);
+    for (const ScoredCandidate& candidate : PlaceCandidates(recordings[i].candidates, plans)) {
+      input->candidates.push_back(candidate);
+    }
+    for (const LoopClosure& relation : PlaceClosures(recordings[i].relations, plans)) {
+      input->relations.push_back(relation);
+    }
+  }
+  if (!input->closures.empty()) {
+    input->closures_note = "Loop closures are those of the g2o files. ";
+  }
+}
+
+// "There are 314 clouds, in which the server looks for loop closures itself, 1122 candidates." or
+// nothing.
+std::string DescribeObservations(const ReplayInput& input) {
+  size_t clouds = 0, landmarks = 0, robots = 0, poses = 0;
+  for (const RobotPlan& plan : input.plans) {
+    clouds += plan.observations.clouds.size();
+    landmarks += plan.observations.landmark_sightings.size();
+    robots += plan.observations.robot_sightings.size();
+    poses += plan.observations.absolute_poses.size();
+  }
+  std::vector<std::string> parts;
+  const auto add = [&parts](size_t count, absl::string_view what) {
+    if (count > 0) parts.push_back(absl::StrCat(count, " ", what));
+  };
+  add(clouds, "point clouds, in which the server looks for loop closures itself");
+  add(input.candidates.size(), "scored candidates of the robots' front ends");
+  add(landmarks, "sightings of landmarks");
+  add(robots, "sightings of other robots");
+  add(poses, "absolute poses");
+  return parts.empty() ? "" : absl::StrCat("Robots send ", absl::StrJoin(parts, ", "), ". ");
+}
+
+std::string DescribeInput(const LoadedRecordings& loaded, const ReplayInput& input) {
+  std::string note = input.closures_note;
+  if (input.closures.empty()) note = "Robots report no measured loop closures. ";
+  absl::StrAppend(&note, DescribeObservations(input));
+  if (loaded.drift.has_value()) absl::StrAppend(&note, Describe(*loaded.drift), " ");
+  for (const Recording& recording : loaded.recordings) {
+    if (recording.note.empty()) continue;
+    absl::StrAppend(&note, recording.name, ": ", recording.note, ". ");
+  }
+  return std::string(absl::StripAsciiWhitespace(note));
+}
+
 }  // namespace
 
 absl::StatusOr<ReplayInput> MakeReplayInput(const ReplayOptions& options) {
-  ASSIGN_OR_RETURN(const std::vector<Recording> recordings, Load(options));
   ReplayInput input;
-  ASSIGN_OR_RETURN(input.plans, MakePlans(options, recordings));
-  for (size_t i = 0; i < recordings.size() && options.split == 1; ++i) {
-    AddMeasured(PlaceClosures(recordings[i].closures, {input.plans[i]}), &input);
+  const absl::StatusOr<ClosureTolerance> tolerance =
+      ParseClosureTolerance(options.closure_tolerance);
+  if (!tolerance.ok()) {
+    return absl::InvalidArgumentError(
+        absl::StrCat("--closure-tolerance: ", tolerance.status().message()));
   }
-  if (options.split > 1) AddMeasured(PlaceClosures(recordings[0].closures, input.plans), &input);
-  if (!input.closures.empty()) {
-    input.closures_note = "Loop closures are those of the g2o files. ";
-  }
+  input.closure_tolerance = *tolerance;
+  ASSIGN_OR_RETURN(const LoadedRecordings loaded, LoadRecordings(options));
+  ASSIGN_OR_RETURN(input.plans, MakePlans(options, loaded));
+  AddRecorded(options, loaded.recordings, &input);
   if (!options.closures_file.empty()) RETURN_IF_ERROR(AddFromFile(options, &input));
   RETURN_IF_ERROR(AddSimulated(options, &input));
-  if (input.closures.empty()) input.closures_note = "There are no loop closures.";
+  input.closures_note = DescribeInput(loaded, input);
   return input;
 }
 
@@ -152,14 +165,21 @@ std::vector<RobotRecording> MakeRecordings(const ReplayInput& input) {
   std::map<MissionId, int> robot_of;
   for (const RobotPlan& plan : input.plans) {
     robot_of[plan.id] = static_cast<int>(recordings.size());
-    recordings.push_back({plan.id, plan.keyframes, {}});
+    recordings.push_back({plan.id, plan.keyframes, {}, {}, plan.observations});
   }
-  for (const InputClosure& closure : input.closures) {
-    const int from = robot_of.at(closure.closure.from.mission);
-    const int to = robot_of.at(closure.closure.to.mission);
-    const double from_time = input.plans[from].TimeOf(static_cast<int>(closure.closure.from.index));
-    const double to_time = input.plans[to].TimeOf(static_cast<int>(closure.closure.to.index));
-    recordings[from_time > to_time ? from : to].closures.push_back(closure.closure);
+  const auto finder = [&](const NodeId& from, const NodeId& to) -> RobotRecording& {
+    const int from_robot = robot_of.at(from.mission);
+    const int to_robot = robot_of.at(to.mission);
+    const double from_time = input.plans[from_robot].TimeOf(static_cast<int>(from.index));
+    const double to_time = input.plans[to_robot].TimeOf(static_cast<int>(to.index));
+    return recordings[from_time > to_time ? from_robot : to_robot];
+  };
+  for (const InputClosure& input_closure : input.closures) {
+    const LoopClosure& closure = input_closure.closure;
+    finder(closure.from, closure.to).closures.push_back(closure);
+  }
+  for (const ScoredCandidate& candidate : input.candidates) {
+    finder(candidate.from, candidate.to).candidates.push_back(candidate);
   }
   return recordings;
 }

@@ -8,6 +8,7 @@
 
 #include "overtone/client/cli/client_flags.h"
 #include "overtone/client/cli/dataset.h"
+#include "overtone/client/cli/sensor_dataset.h"
 
 namespace overtone {
 
@@ -16,13 +17,16 @@ struct ReplayOptions {
   DatasetKind dataset = DatasetKind::kExample;
   std::string dataset_name = "example";
   std::vector<std::string> robots;      // NAME:odometry[:ground_truth]
+  SensorDatasetFiles sensor_files;      // of mrclam, pcd, carmen, tuc
   std::vector<std::string> alignments;  // NAME:file
   int split = 1;
   double overlap = 0.2;
+  std::string inject_drift;  // empty: none
   double example_duration_s = 600;
 
   std::string closures_from_ground_truth;  // empty: none
   std::string closures_file;               // empty: none
+  std::string closure_tolerance;           // empty: the default
 
   std::optional<double> keyframe_distance_m;  // absent: the dataset's default
   std::optional<double> keyframe_rotation_rad;

@@ -7,9 +7,13 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
+#include "overtone/client/cli/closure_judgement.h"
+#include "overtone/client/cli/closure_names.h"
 #include "overtone/client/cli/evaluation.h"
+#include "overtone/client/cli/relation_evaluation.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/geometry_conversion.h"
+#include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/submap_conversion.h"
 
 namespace overtone {
@@ -23,6 +27,7 @@ RobotResult StartOf(const RobotPlan& plan) {
     robot.onboard.push_back(keyframe.mission_from_body);
   }
   robot.ground_truth = plan.ground_truth;
+  robot.ground_truth_positions_only = plan.ground_truth_positions_only;
   robot.path_m = plan.path_m;
   robot.duration_s = plan.TimeOf(static_cast<int>(plan.keyframes.size()) - 1);
   return robot;
@@ -46,15 +51,14 @@ std::optional<double> Rmse(const std::optional<TrajectoryError>& error) {
   return error.has_value() ? std::optional<double>(error->rmse_m) : std::nullopt;
 }
 
-std::string VerdictName(v1::LoopClosureVerdict verdict) {
-  switch (verdict) {
-    case v1::LOOP_CLOSURE_VERDICT_ACCEPTED:
-      return "accepted";
-    case v1::LOOP_CLOSURE_VERDICT_DEMOTED_BY_OPTIMISER:
-      return "demoted_by_optimiser";
-    default:
-      return "pending";
-  }
+// A closure's ends, and its relative pose where there is one. What was never measured need not be a
+// valid measurement.
+absl::StatusOr<LoopClosure> ClosureOf(const v1::LoopClosureStatus& status, bool measured) {
+  if (measured) return FromProto(status.loop_closure());
+  LoopClosure closure;
+  ASSIGN_OR_RETURN(closure.from, FromProto(status.loop_closure().from()));
+  ASSIGN_OR_RETURN(closure.to, FromProto(status.loop_closure().to()));
+  return closure;
 }
 
 }  // namespace
@@ -140,6 +144,7 @@ absl::StatusOr<RunResult> ReplayRecord::Finish(AdminClient* admin, const std::st
     robot.active_constraints = ActiveConstraints(robot.constraints);
     Evaluate(&robot);
   }
+  result_.relations = EvaluateRelations(input_.relations, input_.plans, result_.robots);
   RETURN_IF_ERROR(FetchClosures(admin, map));
   return std::move(result_);
 }
@@ -148,6 +153,7 @@ absl::Status ReplayRecord::FetchTrajectory(AdminClient* admin, const std::string
                                            const RobotPlan& plan, RobotResult* robot) {
   ASSIGN_OR_RETURN(const v1::GetTrajectoryResponse response, admin->GetTrajectory(map, plan.id));
   result_.revision = response.revision();
+  robot->anchored = response.anchored();
   for (const v1::Node& node : response.nodes()) {
     ASSIGN_OR_RETURN(const Rigid3d map_from_body, FromProto(node.map_tform_body()));
     robot->server.push_back(map_from_body);
@@ -159,7 +165,8 @@ absl::Status ReplayRecord::FetchTrajectory(AdminClient* admin, const std::string
   return absl::OkStatus();
 }
 
-// Verdicts of our own closures, in the order the server received them.
+// Verdicts on what the robots of this run reported and on what the server proposed between them, in
+// the order the server received them.
 absl::Status ReplayRecord::FetchClosures(AdminClient* admin, const std::string& map) {
   std::map<MissionId, std::string> names;
   for (const RobotPlan& plan : input_.plans) names[plan.id] = plan.name;
@@ -169,15 +176,25 @@ absl::Status ReplayRecord::FetchClosures(AdminClient* admin, const std::string& 
   }
   ASSIGN_OR_RETURN(const std::vector<v1::LoopClosureStatus> closures, admin->ListLoopClosures(map));
   for (const v1::LoopClosureStatus& status : closures) {
+    const bool by_robot = status.proposer() == v1::LOOP_CLOSURE_PROPOSER_ROBOT ||
+                          status.proposer() == v1::LOOP_CLOSURE_PROPOSER_UNSPECIFIED;
     ClosureResult row;
-    ASSIGN_OR_RETURN(row.closure, FromProto(status.loop_closure()));
+    row.measured = by_robot || status.measured();
+    ASSIGN_OR_RETURN(row.closure, ClosureOf(status, row.measured));
+    // A map may hold more than this run.
+    if (names.count(row.closure.from.mission) == 0 || names.count(row.closure.to.mission) == 0) {
+      continue;
+    }
     const auto origin = ours.find({row.closure.from, row.closure.to});
-    if (origin == ours.end()) continue;
+    if (by_robot && origin == ours.end()) continue;
+    row.proposer = ProposerName(by_robot ? v1::LOOP_CLOSURE_PROPOSER_ROBOT : status.proposer());
+    row.score = status.score();
     row.verdict = VerdictName(status.verdict());
     row.weight = status.weight();
     row.chi_square = status.chi_square();
-    row.simulated = origin->second->simulated;
-    row.outlier = origin->second->outlier;
+    row.simulated = by_robot && origin->second->simulated;
+    row.outlier = by_robot && origin->second->outlier;
+    row.truth = JudgeClosure(row.closure, row.measured, input_.plans, input_.closure_tolerance);
     row.closure.from.mission.robot = names.at(row.closure.from.mission);
     row.closure.to.mission.robot = names.at(row.closure.to.mission);
     result_.closures.push_back(std::move(row));

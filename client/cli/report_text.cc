@@ -93,7 +93,7 @@ std::string ClosuresNote(const RunResult& result) {
 
 std::string ClosureTable(const RunResult& result) {
   struct Count {
-    int total = 0, inter_robot = 0, outliers = 0;
+    int total = 0, by_server = 0, inter_robot = 0, outliers = 0, wrong = 0;
   };
   std::map<std::string, Count> counts;
   for (const ClosureResult& closure : result.closures) {
@@ -101,6 +101,8 @@ std::string ClosureTable(const RunResult& result) {
     ++count.total;
     count.inter_robot += closure.closure.from.mission != closure.closure.to.mission;
     count.outliers += closure.outlier;
+    count.by_server += closure.proposer == "scan_context";
+    count.wrong += closure.measured && closure.truth.has_value() && !closure.truth->right;
   }
   if (counts.empty()) return "<p>This run had no loop closures.</p>\n";
   std::vector<std::vector<std::string>> rows;
@@ -108,10 +110,12 @@ std::string ClosureTable(const RunResult& result) {
     std::string words = EscapeHtml(verdict);
     std::replace(words.begin(), words.end(), '_', ' ');
     rows.push_back({words, absl::StrCat(count.total), absl::StrCat(count.total - count.inter_robot),
-                    absl::StrCat(count.inter_robot), absl::StrCat(count.outliers)});
+                    absl::StrCat(count.inter_robot), absl::StrCat(count.by_server),
+                    absl::StrCat(count.outliers), absl::StrCat(count.wrong)});
   }
-  return Table("The server's verdict on each measured loop closure at the end of the run.",
-               {"verdict", "closures", "within a robot", "between robots", "wrong on purpose"},
+  return Table("The server's verdict on each loop closure at the end of the run.",
+               {"verdict", "closures", "within a robot", "between robots", "the server's own",
+                "wrong on purpose", "wrong by ground truth"},
                rows);
 }
 

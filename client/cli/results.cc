@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "overtone/client/cli/closure_file.h"
+#include "overtone/client/cli/closure_summary.h"
 #include "overtone/client/cli/evaluation.h"
 #include "overtone/client/cli/report.h"
 #include "overtone/core/common/format_number.h"
@@ -31,13 +32,13 @@ absl::Status WriteTrajectories(const RobotResult& robot, const std::string& fold
   return WriteTum(folder + "/corrected.tum", robot.stamps, robot.corrected);
 }
 
-Json ErrorToJson(const std::optional<TrajectoryError>& error) {
+Json ErrorToJson(const std::optional<TrajectoryError>& error, bool positions_only) {
   if (!error.has_value()) return nullptr;
   return {{"rmse_m", error->rmse_m},
           {"mean_m", error->mean_m},
           {"median_m", error->median_m},
           {"max_m", error->max_m},
-          {"rotation_rmse_rad", error->rotation_rmse_rad}};
+          {"rotation_rmse_rad", positions_only ? Json(nullptr) : Json(error->rotation_rmse_rad)}};
 }
 
 Json OptionalToJson(const std::optional<double>& value) {
@@ -69,14 +70,16 @@ Json ComparisonToJson(const ComparisonRecord& comparison) {
 }
 
 Json RobotToJson(const RobotResult& robot) {
+  const bool positions_only = robot.ground_truth_positions_only;
   Json json = {{"name", robot.name},
                {"path_m", robot.path_m},
                {"duration_s", robot.duration_s},
                {"keyframes", robot.stamps.size()},
                {"graph_nodes", robot.graph_nodes},
-               {"onboard", ErrorToJson(robot.onboard_error)},
-               {"server", ErrorToJson(robot.server_error)},
-               {"corrected", ErrorToJson(robot.corrected_error)},
+               {"anchored", robot.anchored},
+               {"onboard", ErrorToJson(robot.onboard_error, positions_only)},
+               {"server", ErrorToJson(robot.server_error, positions_only)},
+               {"corrected", ErrorToJson(robot.corrected_error, positions_only)},
                {"constraints", ConstraintCounts(robot)},
                {"bytes_up", robot.bytes_up},
                {"bytes_down", robot.bytes_down},
@@ -142,7 +145,9 @@ Json Metrics(const RunResult& result) {
                  {"count", result.closures.size()},
                  {"verdicts", verdicts},
                  {"outliers", outliers},
-                 {"outliers_accepted", outliers_accepted}}},
+                 {"outliers_accepted", outliers_accepted},
+                 {"by_proposer", ClosuresToJson(result)}}},
+               {"relations", RelationsToJson(result)},
                {"revision", result.revision},
                {"wall_time_s", result.wall_time_s},
                {"robots", Json::array()}};

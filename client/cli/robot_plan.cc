@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
+#include <map>
+#include <utility>
 
 #include "absl/strings/str_cat.h"
 
@@ -53,6 +56,36 @@ int NearestKeyframe(const RobotPlan& plan, int row) {
   return row - plan.rows[index - 1] <= *after - row ? index - 1 : index;
 }
 
+// Of this row itself.
+std::optional<int64_t> KeyframeAt(const RobotPlan& plan, int row) {
+  const int nearest = NearestKeyframe(plan, row);
+  return plan.rows[nearest] == row ? std::optional<int64_t>(nearest) : std::nullopt;
+}
+
+std::vector<int> KeyframeRows(const Recording& recording, const RobotPlan& plan,
+                              const KeyframeSelectionOptions& selection) {
+  const std::vector<int> selected = SelectKeyframes(plan.odometry, selection);
+  std::vector<int> wanted, rows;
+  for (const int64_t frame : recording.keyframes) {
+    if (const std::optional<int> row = RowOf(plan, frame)) wanted.push_back(*row);
+  }
+  std::set_union(selected.begin(), selected.end(), wanted.begin(), wanted.end(),
+                 std::back_inserter(rows));
+  return rows;
+}
+
+// Of the motion from row `begin` to row `end`: the last degenerate direction on the way counts.
+void MarkDegenerate(const Recording& recording, const RobotPlan& plan, int begin, int end,
+                    Keyframe* keyframe) {
+  for (int row = begin + 1; row <= end && !recording.degenerate.empty(); ++row) {
+    const auto degenerate = recording.degenerate.find(plan.frames[row]);
+    if (degenerate == recording.degenerate.end()) continue;
+    keyframe->degenerate = true;
+    keyframe->degenerate_direction =
+        (plan.odometry[end].Inverse() * plan.odometry[row]).rotation * degenerate->second;
+  }
+}
+
 Rigid3d Between(const RobotPlan& plan, int from_row, int to_row) {
   return plan.odometry[from_row].Inverse() * plan.odometry[to_row];
 }
@@ -70,7 +103,8 @@ absl::StatusOr<RobotPlan> MakeRobotPlan(const Recording& recording,
   plan.stamps = Stamps(recording.odometry);
   plan.frames = recording.frames;
   plan.path_m = PathLength(plan.odometry);
-  plan.rows = SelectKeyframes(plan.odometry, selection);
+  plan.ground_truth_positions_only = recording.ground_truth_positions_only;
+  plan.rows = KeyframeRows(recording, plan, selection);
   if (plan.rows.size() < 2) {
     return absl::InvalidArgumentError(absl::StrCat(recording.name, ": fewer than two keyframes"));
   }
@@ -80,10 +114,15 @@ absl::StatusOr<RobotPlan> MakeRobotPlan(const Recording& recording,
     keyframe.stamp = recording.odometry[row].stamp;
     keyframe.mission_from_body = plan.odometry[row];
     if (row > 0) keyframe.motion_covariance = CovarianceBetween(recording, previous, row, noise);
+    MarkDegenerate(recording, plan, previous, row, &keyframe);
     plan.keyframes.push_back(keyframe);
     plan.ground_truth.push_back(GroundTruthAt(recording.ground_truth, keyframe.stamp));
     previous = row;
   }
+  plan.observations = Placed(recording.observations, [&plan](int64_t frame) {
+    const std::optional<int> row = RowOf(plan, frame);
+    return row.has_value() ? KeyframeAt(plan, *row) : std::nullopt;
+  });
   return plan;
 }
 
@@ -118,6 +157,28 @@ std::vector<LoopClosure> PlaceClosures(const std::vector<FrameClosure>& closures
       }
     }
   }
+  return result;
+}
+
+std::vector<ScoredCandidate> PlaceCandidates(const std::vector<FrameCandidate>& candidates,
+                                             const std::vector<RobotPlan>& plans) {
+  std::map<std::pair<NodeId, NodeId>, double> best;
+  for (const FrameCandidate& candidate : candidates) {
+    for (const RobotPlan& from : plans) {
+      for (const RobotPlan& to : plans) {
+        const std::optional<int> from_row = RowOf(from, candidate.from_frame);
+        const std::optional<int> to_row = RowOf(to, candidate.to_frame);
+        if (!from_row.has_value() || !to_row.has_value()) continue;
+        const NodeId from_node = {from.id, NearestKeyframe(from, *from_row)};
+        const NodeId to_node = {to.id, NearestKeyframe(to, *to_row)};
+        if (from_node == to_node) continue;
+        double& score = best[{from_node, to_node}];
+        score = std::max(score, candidate.score);
+      }
+    }
+  }
+  std::vector<ScoredCandidate> result;
+  for (const auto& [ends, score] : best) result.push_back({ends.first, ends.second, score});
   return result;
 }
 

@@ -23,8 +23,10 @@ struct RobotPlan {
   MissionId id;
   std::vector<Keyframe> keyframes;
   std::vector<std::optional<Rigid3d>> ground_truth;  // of each keyframe: world_from_body
+  bool ground_truth_positions_only = false;          // its rotations say nothing
   std::optional<Rigid3d> common_from_world;
-  double path_m = 0;  // of the whole odometry
+  double path_m = 0;          // of the whole odometry
+  Observations observations;  // of the keyframes
 
   // What ties keyframes to the recording: its row of each keyframe, increasing, and all its poses
   // and frames.
@@ -37,6 +39,8 @@ struct RobotPlan {
   double TimeOf(int i) const { return SecondsBetween(keyframes[0].stamp, keyframes[i].stamp); }
 };
 
+// Keyframes: those that `selection` keeps and recording.keyframes. A motion is degenerate when one
+// of the frames on its way is. Observations between keyframes are left out.
 // InvalidArgument: the recording is empty or keeps fewer than two keyframes.
 absl::StatusOr<RobotPlan> MakeRobotPlan(const Recording& recording,
                                         const KeyframeSelectionOptions& selection,
@@ -52,6 +56,11 @@ std::optional<LoopClosure> PlaceClosure(const RobotPlan& from, int from_row, con
 // overlap, each of them saw the place.
 std::vector<LoopClosure> PlaceClosures(const std::vector<FrameClosure>& closures,
                                        const std::vector<RobotPlan>& plans);
+
+// Every candidate, likewise, at the nearest keyframes: of those that fall on one pair the best
+// score.
+std::vector<ScoredCandidate> PlaceCandidates(const std::vector<FrameCandidate>& candidates,
+                                             const std::vector<RobotPlan>& plans);
 
 }  // namespace overtone
 

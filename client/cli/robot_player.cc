@@ -14,6 +14,36 @@ namespace {
 // Well below the wire's limits of 2000 keyframes, 2000 closures and 1 MiB per submap.
 constexpr int64_t kMaxKeyframesPerSubmap = 500;
 constexpr size_t kMaxClosuresPerMessage = 500;
+// Sightings, candidates and absolute poses count 1. A cloud counts for its share of memory.
+constexpr int kMaxLoadPerSubmap = 1500;
+constexpr int kCloudLoad = 15;
+
+template <typename Observation>
+void AddLoad(const std::vector<Observation>& observations, int load, std::vector<int>* loads) {
+  for (const Observation& observation : observations) (*loads)[observation.index] += load;
+}
+
+// The index in this mission with which a measurement comes to light: the later one.
+int64_t LaterIndex(const MissionId& mission, const NodeId& from, const NodeId& to) {
+  int64_t later = -1;
+  for (const NodeId& node : {from, to}) {
+    if (node.mission == mission) later = std::max(later, node.index);
+  }
+  return later;
+}
+
+std::vector<int> LoadOf(const RobotRecording& recording) {
+  std::vector<int> load(recording.keyframes.size(), 0);
+  AddLoad(recording.observations.clouds, kCloudLoad, &load);
+  AddLoad(recording.observations.landmark_sightings, 1, &load);
+  AddLoad(recording.observations.robot_sightings, 1, &load);
+  AddLoad(recording.observations.absolute_poses, 1, &load);
+  for (const ScoredCandidate& candidate : recording.candidates) {
+    const int64_t later = LaterIndex(recording.id, candidate.from, candidate.to);
+    if (later >= 0) ++load[later];
+  }
+  return load;
+}
 
 Json ChangesToJson(const ConstraintBatch& batch, double time_s) {
   Json changes = Json::array();
@@ -58,7 +88,7 @@ Json ToJson(const SynchronizationReport& report, double time_s) {
 }  // namespace
 
 RobotPlayer::RobotPlayer(RobotRecording recording, absl::Duration timeout)
-    : recording_(std::move(recording)), timeout_(timeout) {}
+    : recording_(std::move(recording)), timeout_(timeout), load_(LoadOf(recording_)) {}
 
 absl::StatusOr<std::unique_ptr<RobotPlayer>> RobotPlayer::Create(RobotRecording recording,
                                                                  MappingClientOptions options,
@@ -78,8 +108,7 @@ absl::StatusOr<Json> RobotPlayer::Advance(double time_s) {
   const int64_t count = static_cast<int64_t>(recording_.keyframes.size());
   while (next_index_ < count && TimeOf(next_index_) <= time_s) {
     const int64_t begin = next_index_;
-    int64_t end = begin;
-    while (end < count && end - begin < kMaxKeyframesPerSubmap && TimeOf(end) <= time_s) ++end;
+    const int64_t end = EndOfSubmap(begin, time_s);
     RETURN_IF_ERROR(AddToEstimator(begin, end));
     RETURN_IF_ERROR(Upload(begin, end));
     next_index_ = end;
@@ -87,6 +116,17 @@ absl::StatusOr<Json> RobotPlayer::Advance(double time_s) {
   RETURN_IF_ERROR(client_->WaitUntilAcknowledged(timeout_));
   return Json{
       {"keyframes", next_index_}, {"closures", closures_sent_}, {"done", next_index_ == count}};
+}
+
+int64_t RobotPlayer::EndOfSubmap(int64_t begin, double time_s) const {
+  const int64_t limit =
+      std::min<int64_t>(begin + kMaxKeyframesPerSubmap, recording_.keyframes.size());
+  int64_t end = begin + 1;
+  int load = load_[begin];
+  while (end < limit && TimeOf(end) <= time_s && load + load_[end] <= kMaxLoadPerSubmap) {
+    load += load_[end++];
+  }
+  return end;
 }
 
 absl::Status RobotPlayer::AddToEstimator(int64_t begin, int64_t end) {
@@ -105,10 +145,19 @@ absl::Status RobotPlayer::Upload(int64_t begin, int64_t end) {
   submap.sequence = next_sequence_++;
   submap.first_index = begin;
   submap.keyframes.assign(recording_.keyframes.begin() + begin, recording_.keyframes.begin() + end);
-  const std::vector<LoopClosure> closures = ClosuresOf(begin, end);
+  std::vector<LoopClosure> closures;
+  for (const LoopClosure& closure : recording_.closures) {
+    if (ComesToLight(closure.from, closure.to, begin, end)) closures.push_back(closure);
+  }
+  for (const ScoredCandidate& candidate : recording_.candidates) {
+    if (ComesToLight(candidate.from, candidate.to, begin, end)) {
+      submap.candidates.push_back(candidate);
+    }
+  }
+  RETURN_IF_ERROR(AddObservations(recording_.observations, begin, end, &submap));
   const size_t in_submap = std::min(closures.size(), kMaxClosuresPerMessage);
   submap.loop_closures.assign(closures.begin(), closures.begin() + in_submap);
-  RETURN_IF_ERROR(client_->AddSubmap(submap));
+  RETURN_IF_ERROR(Hand(submap));
   for (size_t i = in_submap; i < closures.size(); i += kMaxClosuresPerMessage) {
     const size_t stop = std::min(closures.size(), i + kMaxClosuresPerMessage);
     RETURN_IF_ERROR(client_->AddLoopClosures({closures.begin() + i, closures.begin() + stop}));
@@ -117,17 +166,18 @@ absl::Status RobotPlayer::Upload(int64_t begin, int64_t end) {
   return absl::OkStatus();
 }
 
-// A closure comes to light with its later end: in this mission the end of the higher index.
-std::vector<LoopClosure> RobotPlayer::ClosuresOf(int64_t begin, int64_t end) const {
-  std::vector<LoopClosure> closures;
-  for (const LoopClosure& closure : recording_.closures) {
-    int64_t later = -1;
-    for (const NodeId& node : {closure.from, closure.to}) {
-      if (node.mission == recording_.id) later = std::max(later, node.index);
-    }
-    if (later >= begin && later < end) closures.push_back(closure);
-  }
-  return closures;
+// A full outbox empties as the server acknowledges.
+absl::Status RobotPlayer::Hand(const Submap& submap) {
+  const absl::Status status = client_->AddSubmap(submap);
+  if (!absl::IsResourceExhausted(status)) return status;
+  RETURN_IF_ERROR(client_->WaitUntilAcknowledged(timeout_));
+  return client_->AddSubmap(submap);
+}
+
+bool RobotPlayer::ComesToLight(const NodeId& from, const NodeId& to, int64_t begin,
+                               int64_t end) const {
+  const int64_t later = LaterIndex(recording_.id, from, to);
+  return later >= begin && later < end;
 }
 
 absl::StatusOr<Json> RobotPlayer::Compare(uint64_t min_revision) {

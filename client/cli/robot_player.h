@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
@@ -25,8 +26,9 @@ class RobotPlayer {
                                                              absl::Duration timeout);
 
   // Plays the keyframes up to data time `time_s` (since the first): into the onboard estimator and,
-  // as submaps with the closures that came to light with them, up to the server; returns when all
-  // of it is acknowledged.
+  // as submaps with what was seen from them and the closures and candidates that came to light
+  // with them, up to the server; returns when all of it is acknowledged. Clouds are read when their
+  // submap is due.
   // {"keyframes": so far, "closures": so far, "done": no keyframe left}
   absl::StatusOr<Json> Advance(double time_s);
 
@@ -37,13 +39,16 @@ class RobotPlayer {
  private:
   RobotPlayer(RobotRecording recording, absl::Duration timeout);
 
+  int64_t EndOfSubmap(int64_t begin, double time_s) const;
   absl::Status AddToEstimator(int64_t begin, int64_t end);
   absl::Status Upload(int64_t begin, int64_t end);
-  std::vector<LoopClosure> ClosuresOf(int64_t begin, int64_t end) const;
+  absl::Status Hand(const Submap& submap);
+  bool ComesToLight(const NodeId& from, const NodeId& to, int64_t begin, int64_t end) const;
   double TimeOf(int64_t index) const;
 
   RobotRecording recording_;
   absl::Duration timeout_;
+  std::vector<int> load_;  // of what was seen from each keyframe, as kMaxLoadPerSubmap counts it
   int64_t next_index_ = 0;
   int64_t next_sequence_ = 0;
   int64_t closures_sent_ = 0;

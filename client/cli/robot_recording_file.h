@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The file that one robot plays: {"robot", "mission", "keyframes": [...], "loop_closures": [...]}.
+// The file that one robot plays: {"robot", "mission", "keyframes": [...], "loop_closures": [...],
+// "candidates": [...], "observations": {...}}; the last two may be left out.
 #ifndef OVERTONE_CLIENT_CLI_ROBOT_RECORDING_FILE_H_
 #define OVERTONE_CLIENT_CLI_ROBOT_RECORDING_FILE_H_
 
@@ -8,6 +9,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "overtone/client/cli/observations.h"
 #include "overtone/core/graph/submap.h"
 
 namespace overtone {
@@ -17,6 +19,8 @@ struct RobotRecording {
   std::vector<Keyframe> keyframes;
   // Each belongs to the last of its two ends that the team has seen; that end is in this mission.
   std::vector<LoopClosure> closures;
+  std::vector<ScoredCandidate> candidates;  // likewise
+  Observations observations;                // clouds in files
 };
 
 absl::Status WriteRobotRecording(const std::string& path, const RobotRecording& recording);

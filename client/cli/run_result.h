@@ -53,8 +53,10 @@ struct RobotResult {
   std::vector<Timestamp> stamps;
   std::vector<Rigid3d> onboard;    // odometry only
   std::vector<Rigid3d> server;     // optimised with all robots
+  bool anchored = false;           // `server` is in the map's frame, as that of all anchored robots
   std::vector<Rigid3d> corrected;  // onboard estimate with the constraints applied
   std::vector<std::optional<Rigid3d>> ground_truth;  // absent: none at this stamp
+  bool ground_truth_positions_only = false;          // errors of rotations mean nothing
 
   double path_m = 0;      // of the odometry
   double duration_s = 0;  // data time
@@ -74,13 +76,36 @@ struct RobotResult {
   int64_t bytes_down = 0;
 };
 
+// A closure against the ground truth; what counts as right and as one place is the run's setting.
+struct ClosureTruth {
+  double distance_m = 0;            // between the two ends, truly
+  bool same_place = false;          // by that distance
+  std::optional<double> error_m;    // of the measured relative pose; absent: none was measured
+  std::optional<double> error_rad;  // absent also where the ground truth has no rotations
+  bool right = false;               // measured, and close enough to the truth
+};
+
 struct ClosureResult {
-  LoopClosure closure;  // MissionId::robot is the robot's name
-  std::string verdict;  // "accepted", "demoted_by_optimiser", "pending"
-  double weight = 0;    // [0, 1]
+  LoopClosure closure;   // MissionId::robot is the robot's name
+  std::string proposer;  // "robot", "robot_score", "scan_context"
+  bool measured = true;  // false: closure.from_tform_to is a guess
+  double score = 0;      // similarity of the two places, [0, 1]; 0: none was computed
+  std::string verdict;   // "accepted", "demoted_by_optimiser", "pending", "rejected_overlap", ...
+  double weight = 0;     // [0, 1]
   double chi_square = 0;
-  bool simulated = false;  // made from ground truth
-  bool outlier = false;    // made wrong on purpose
+  std::optional<ClosureTruth> truth;  // absent: the ground truth does not know
+  bool simulated = false;             // made from ground truth
+  bool outlier = false;               // made wrong on purpose
+};
+
+// Of relative poses known to be true; means and medians over `count` of them.
+struct RelationErrors {
+  std::string estimate;  // "onboard", "server", "corrected"
+  int count = 0;
+  double translation_mean_m = 0;
+  double translation_median_m = 0;
+  double rotation_mean_rad = 0;
+  double rotation_median_rad = 0;
 };
 
 struct RunResult {
@@ -95,6 +120,7 @@ struct RunResult {
   double wall_time_s = 0;
   std::vector<RobotResult> robots;
   std::vector<ClosureResult> closures;
+  std::vector<RelationErrors> relations;  // of each estimate; empty: no relations were given
 };
 
 }  // namespace overtone

@@ -7,7 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
-#include "absl/strings/str_join.h"
+#include "overtone/client/cli/closure_summary.h"
 #include "overtone/client/cli/evaluation.h"
 
 namespace overtone {
@@ -47,15 +47,6 @@ std::vector<std::string> Row(const RobotResult& robot) {
           absl::StrFormat("%.1f/%.1f", CompareQuantile(robot, 0.5), CompareQuantile(robot, 0.99))};
 }
 
-std::string CountVerdicts(const RunResult& result) {
-  if (result.closures.empty()) return "";
-  std::map<std::string, int> count;
-  for (const ClosureResult& closure : result.closures) ++count[closure.verdict];
-  std::vector<std::string> parts;
-  for (const auto& [verdict, number] : count) parts.push_back(absl::StrCat(number, " ", verdict));
-  return absl::StrCat("Loop closures: ", absl::StrJoin(parts, ", "), ".\n");
-}
-
 }  // namespace
 
 std::string FormatTable(const std::vector<std::vector<std::string>>& rows) {
@@ -85,7 +76,8 @@ std::string FormatSummary(const RunResult& result) {
       {"robot", "path [m]", "nodes", "onboard RMSE", "server RMSE", "corrected RMSE",
        "constraints s/m/l", "up [KB/s]", "down [KB/s]", "compare p50/p99 [ms]"}};
   for (const RobotResult& robot : result.robots) rows.push_back(Row(robot));
-  return absl::StrCat(FormatTable(rows), "\n", result.closures_note, "\n", CountVerdicts(result));
+  return absl::StrCat(FormatTable(rows), "\n", FormatRelations(result), result.closures_note, "\n",
+                      FormatClosures(result));
 }
 
 }  // namespace overtone

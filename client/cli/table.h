@@ -13,8 +13,8 @@ namespace overtone {
 // others to the right.
 std::string FormatTable(const std::vector<std::vector<std::string>>& rows);
 
-// The summary of a run: one row for each robot, the sentence about the closures, and their
-// verdicts.
+// The summary of a run: one row for each robot, the errors of relations, the sentence about the
+// closures, and their verdicts.
 std::string FormatSummary(const RunResult& result);
 
 }  // namespace overtone
