@@ -40,6 +40,9 @@ v1::MapSummary Summary(const HostedMap& map) {
   if (snapshot.revision > 0) *summary.mutable_published() = ToProto(published.time);
   summary.set_cost(snapshot.final_cost);
   summary.set_optimisation_s(snapshot.optimisation_s);
+  const CloudCounts clouds = map.store().Clouds();
+  summary.set_clouds(clouds.stored);
+  summary.set_missing_blobs(clouds.missing);
   return summary;
 }
 

@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -31,6 +32,9 @@ class MappingPipeline {
   // In the order in which they are to be added. Neither blocks on the optimisation.
   void AddSubmap(const MissionId& mission, std::shared_ptr<const Submap> submap);
   void AddLoopClosure(const LoopClosure& closure);
+  // The encoded cloud of a keyframe whose submap was added before. The map makes no use of clouds
+  // yet.
+  void AddCloud(const NodeId& /*keyframe*/, std::shared_ptr<const std::string> /*blob*/) {}
 
  private:
   using Work = std::function<absl::Status(MultiRobotMap&)>;
