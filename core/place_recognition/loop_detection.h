@@ -20,6 +20,7 @@ namespace overtone {
 struct PlaceView {
   NodeId node;
   double travelled_m = 0;                   // along its mission by odometry
+  Eigen::Quaterniond mission_from_body;     // odometry's
   std::shared_ptr<const PointCloud> cloud;  // in the keyframe's body frame
 };
 

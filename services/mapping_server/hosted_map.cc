@@ -40,6 +40,10 @@ HostedMap::HostedMap(std::string id, const ServerOptions& options)
     detector_.AddSubmap(mission, *submap);
   };
   sink.on_loop_closure = [this](const LoopClosure& closure) { pipeline_.AddLoopClosure(closure); };
+  sink.on_cloud = [this](const MissionId& mission, int64_t index, const std::string& sha256) {
+    absl::StatusOr<SharedBlob> blob = store_->GetBlob(sha256);
+    if (blob.ok()) detector_.AddCloud({mission, index}, *std::move(blob));
+  };
   store_ = std::make_unique<InMemorySubmapStore>(options.limits, std::move(sink));
 }
 

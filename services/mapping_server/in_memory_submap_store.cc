@@ -27,7 +27,7 @@ absl::StatusOr<AppendResult> InMemorySubmapStore::Add(const SubmapRecord& record
   const Submap& submap = *record.submap;
   absl::MutexLock lock(&mutex_);
   const auto it = missions_.find(record.mission);
-  const UploadState before = it == missions_.end() ? UploadState() : it->second.state;
+  const UploadState before = StateOf(record.mission);
   if (submap.sequence < before.next_sequence) {
     if (it->second.digests[submap.sequence] == record.digest) return AppendResult{false, before};
     return absl::AlreadyExistsError(
@@ -44,7 +44,8 @@ absl::StatusOr<AppendResult> InMemorySubmapStore::Add(const SubmapRecord& record
   mission.state.stored_at = absl::Now();
   num_closures_ += static_cast<int64_t>(submap.loop_closures.size());
   sink_.on_submap(record.mission, record.submap);
-  return AppendResult{true, mission.state};
+  AddClouds(record);
+  return AppendResult{true, StateOf(record.mission)};
 }
 
 absl::Status InMemorySubmapStore::CheckLimits(const SubmapRecord& record,
@@ -84,17 +85,85 @@ absl::StatusOr<int> InMemorySubmapStore::AddLoopClosures(
   return added;
 }
 
+void InMemorySubmapStore::AddClouds(const SubmapRecord& record) {
+  for (const KeyframeCloud& cloud : record.submap->clouds) {
+    if (GetBlob(cloud.sha256).ok()) {
+      TellCloud({record.mission, cloud.index}, cloud.sha256);
+    } else {
+      clouds_.Await(record.mission, cloud);
+    }
+  }
+}
+
+void InMemorySubmapStore::TellCloud(const NodeId& keyframe, const std::string& sha256) {
+  ++clouds_stored_;
+  sink_.on_cloud(keyframe.mission, keyframe.index, sha256);
+}
+
+void InMemorySubmapStore::PutBlob(const std::string& sha256, SharedBlob blob,
+                                  std::function<void(absl::Status)> done) {
+  done(AddBlob(sha256, std::move(blob)));
+}
+
+absl::Status InMemorySubmapStore::AddBlob(const std::string& sha256, SharedBlob blob) {
+  absl::MutexLock lock(&mutex_);
+  if (GetBlob(sha256).ok()) return absl::OkStatus();
+  if (!clouds_.IsAwaited(sha256)) return absl::NotFoundError("blob: no cloud waits for it");
+  const int64_t bytes = blob_bytes_ + static_cast<int64_t>(blob->size());
+  if (bytes > limits_.max_stored_blob_bytes) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("blob: the map may keep ", limits_.max_stored_blob_bytes, " bytes of clouds"));
+  }
+  blob_bytes_ = bytes;
+  {
+    absl::MutexLock blob_lock(&blob_mutex_);
+    blobs_[sha256] = std::move(blob);
+  }
+  for (const NodeId& keyframe : clouds_.Resolve(sha256)) TellCloud(keyframe, sha256);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SharedBlob> InMemorySubmapStore::GetBlob(const std::string& sha256) const {
+  absl::MutexLock lock(&blob_mutex_);
+  const auto it = blobs_.find(sha256);
+  if (it == blobs_.end()) return absl::NotFoundError("blob: not there");
+  return it->second;
+}
+
+void InMemorySubmapStore::AbandonBlob(const MissionId& mission, const std::string& sha256) {
+  absl::MutexLock lock(&mutex_);
+  clouds_.Abandon(mission, sha256);
+}
+
+std::vector<MissingBlob> InMemorySubmapStore::MissingBlobs(const MissionId& mission,
+                                                           size_t max) const {
+  absl::MutexLock lock(&mutex_);
+  return clouds_.Missing(mission, max);
+}
+
+CloudCounts InMemorySubmapStore::Clouds() const {
+  absl::MutexLock lock(&mutex_);
+  return {clouds_stored_, clouds_.NumMissing()};
+}
+
 UploadState InMemorySubmapStore::State(const MissionId& mission) const {
   absl::MutexLock lock(&mutex_);
-  const auto it = missions_.find(mission);
-  return it == missions_.end() ? UploadState() : it->second.state;
+  return StateOf(mission);
 }
 
 std::map<MissionId, UploadState> InMemorySubmapStore::Missions() const {
   absl::MutexLock lock(&mutex_);
   std::map<MissionId, UploadState> missions;
-  for (const auto& [id, mission] : missions_) missions[id] = mission.state;
+  for (const auto& [id, mission] : missions_) missions[id] = StateOf(id);
   return missions;
+}
+
+UploadState InMemorySubmapStore::StateOf(const MissionId& mission) const {
+  const auto it = missions_.find(mission);
+  if (it == missions_.end()) return UploadState();
+  UploadState state = it->second.state;
+  state.missing_blobs = clouds_.NumMissing(mission);
+  return state;
 }
 
 }  // namespace overtone

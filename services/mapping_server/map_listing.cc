@@ -45,6 +45,9 @@ v1::MapSummary Summary(const HostedMap& map) {
   std::map<ClosureVerdict, int64_t> verdicts;
   for (const ClosureRecord& record : snapshot.closures) ++verdicts[record.verdict];
   *summary.mutable_verdicts() = ToProto(verdicts);
+  const CloudCounts clouds = map.store().Clouds();
+  summary.set_clouds(clouds.stored);
+  summary.set_missing_blobs(clouds.missing);
   return summary;
 }
 

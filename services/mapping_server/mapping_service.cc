@@ -20,7 +20,7 @@ grpc::ServerUnaryReactor* MappingService::GetServerInfo(grpc::CallbackServerCont
 
 grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>*
 MappingService::UploadSubmaps(grpc::CallbackServerContext*) {
-  return overtone::UploadSubmaps::Start(registry_, sessions_, options_.limits.upload_window_bytes);
+  return overtone::UploadSubmaps::Start(registry_, sessions_, options_.limits);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerContext* context,

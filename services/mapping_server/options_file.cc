@@ -59,6 +59,8 @@ std::map<std::string, Setter> Keys(ServerOptions& options) {
       {"limits.max_missions_per_map", Into(limits.max_missions_per_map)},
       {"limits.max_keyframes_per_mission", Into(limits.max_keyframes_per_mission)},
       {"limits.max_loop_closures_per_map", Into(limits.max_loop_closures_per_map)},
+      {"limits.max_blob_bytes", Into(limits.max_blob_bytes)},
+      {"limits.max_stored_blob_bytes", Into(limits.max_stored_blob_bytes)},
       {"limits.max_watchers_per_map", Into(limits.max_watchers_per_map)},
       {"limits.max_concurrent_streams", Into(limits.max_concurrent_streams)},
       {"publisher.heartbeat_s", Into(publisher.heartbeat_s)},

@@ -26,6 +26,9 @@ struct ServerLimits {
   int max_missions_per_map = 1000;
   int64_t max_keyframes_per_mission = 1'000'000;
   int64_t max_loop_closures_per_map = 1'000'000;
+  // One encoded cloud, and all that a map keeps: at 10 kB a keyframe the latter is 100,000 of them.
+  int64_t max_blob_bytes = 16 << 20;
+  int64_t max_stored_blob_bytes = 1 << 30;
   int max_watchers_per_map = 1000;
   // Streams on one connection.
   int max_concurrent_streams = 1000;

@@ -25,6 +25,7 @@ struct UploadState {
   int64_t next_index = 0;  // one past the last stored keyframe
   Timestamp last_stamp;    // of that keyframe; no meaning while next_index is 0
   absl::Time stored_at = absl::InfinitePast();  // server clock
+  int64_t missing_blobs = 0;                    // clouds whose blobs are wanted
 };
 
 struct SubmapRecord {
@@ -43,6 +44,20 @@ struct AppendResult {
   UploadState state;   // of the mission, afterwards
 };
 
+// An encoded cloud, named by its SHA-256 (32 bytes).
+using SharedBlob = std::shared_ptr<const std::string>;
+
+struct MissingBlob {
+  std::string sha256;
+  int64_t encoded_bytes = 0;  // as the submap says
+};
+
+// Of a whole map.
+struct CloudCounts {
+  int64_t stored = 0;   // submap and blob are both there
+  int64_t missing = 0;  // the blob is wanted
+};
+
 // Thread-safe. All missions of one map.
 class SubmapStore {
  public:
@@ -51,6 +66,9 @@ class SubmapStore {
   struct Sink {
     std::function<void(const MissionId&, std::shared_ptr<const Submap>)> on_submap;
     std::function<void(const LoopClosure&)> on_loop_closure;
+    // A keyframe's cloud, when submap and blob are both there. Of the store it may call GetBlob,
+    // and nothing else.
+    std::function<void(const MissionId&, int64_t index, const std::string& sha256)> on_cloud;
   };
 
   virtual ~SubmapStore() = default;
@@ -70,6 +88,24 @@ class SubmapStore {
   // map.
   virtual void AppendLoopClosures(std::vector<LoopClosureRecord> records,
                                   std::function<void(absl::StatusOr<int>)> done) = 0;
+
+  // Stores a blob that a stored submap refers to; all missions share it. The caller has checked the
+  // digest. A blob that is there already is Ok. `done` as in Append; NotFound: no cloud waits for
+  // it; ResourceExhausted: limits.max_stored_blob_bytes.
+  virtual void PutBlob(const std::string& sha256, SharedBlob blob,
+                       std::function<void(absl::Status)> done) = 0;
+
+  // NotFound: not there.
+  virtual absl::StatusOr<SharedBlob> GetBlob(const std::string& sha256) const = 0;
+
+  // The mission's robot cannot send this blob: it is not missing any more, but its cloud comes into
+  // being should another mission send it.
+  virtual void AbandonBlob(const MissionId& mission, const std::string& sha256) = 0;
+
+  // The mission's first `max` missing blobs, each once, by keyframe.
+  virtual std::vector<MissingBlob> MissingBlobs(const MissionId& mission, size_t max) const = 0;
+
+  virtual CloudCounts Clouds() const = 0;
 
   // A mission that is not there expects sequence 0.
   virtual UploadState State(const MissionId& mission) const = 0;

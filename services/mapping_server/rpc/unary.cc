@@ -45,7 +45,8 @@ absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& option
   message.set_upload_window_bytes(options.limits.upload_window_bytes);
   message.set_max_missions_per_map(options.limits.max_missions_per_map);
   message.set_max_keyframes_per_mission(options.limits.max_keyframes_per_mission);
-  for (const char* feature : {"compact", "delta", "kron_reduction"}) {
+  message.set_max_blob_bytes(options.limits.max_blob_bytes);
+  for (const char* feature : {"compact", "delta", "kron_reduction", "clouds"}) {
     response.add_features(feature);
   }
   return response;
@@ -60,6 +61,7 @@ absl::StatusOr<v1::GetUploadStateResponse> GetUploadState(
   v1::GetUploadStateResponse response;
   response.set_next_sequence(state.next_sequence);
   response.set_next_index(state.next_index);
+  response.set_missing_blobs(state.missing_blobs);
   return response;
 }
 

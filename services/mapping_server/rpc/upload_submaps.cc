@@ -2,6 +2,7 @@
 #include "overtone/services/mapping_server/rpc/upload_submaps.h"
 
 #include <utility>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
@@ -10,6 +11,7 @@
 #include "overtone/proto/conversion/limits.h"
 #include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/rpc/upload_frames.h"
 #include "overtone/services/mapping_server/submap_digest.h"
 #include "spdlog/spdlog.h"
 
@@ -19,43 +21,23 @@ namespace {
 // Answers that the peer has not taken yet; more would only grow memory.
 constexpr size_t kMaxAnswers = 64;
 
-v1::UploadSubmapsResponse ReadyFrame(int64_t next_sequence, int64_t window_bytes) {
-  v1::UploadSubmapsResponse response;
-  response.mutable_ready()->set_next_sequence(next_sequence);
-  response.mutable_ready()->set_window_bytes(window_bytes);
-  return response;
-}
-
-v1::UploadSubmapsResponse AckFrame(int64_t durable_through_sequence) {
-  v1::UploadSubmapsResponse response;
-  response.mutable_ack()->set_durable_through_sequence(durable_through_sequence);
-  return response;
-}
-
-v1::UploadSubmapsResponse RejectFrame(int64_t sequence, const absl::Status& status,
-                                      int64_t expected_sequence) {
-  v1::UploadSubmapsResponse response;
-  v1::UploadReject& reject = *response.mutable_reject();
-  reject.set_sequence(sequence);
-  reject.set_code(static_cast<int>(status.code()));
-  reject.set_message(HeaderSafe(status.message()));
-  reject.set_expected_sequence(expected_sequence);
-  return response;
-}
-
 }  // namespace
 
 UploadReactor* UploadSubmaps::Start(MapRegistry* registry, UploadSessions* sessions,
-                                    int64_t window_bytes) {
-  auto reactor = std::make_shared<UploadSubmaps>(registry, sessions, window_bytes);
+                                    const ServerLimits& limits) {
+  auto reactor = std::make_shared<UploadSubmaps>(registry, sessions, limits);
   reactor->self_ = reactor;
   absl::MutexLock lock(&reactor->mutex_);
   reactor->Advance();
   return reactor.get();
 }
 
-UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, int64_t window_bytes)
-    : registry_(registry), sessions_(sessions), window_bytes_(window_bytes) {}
+UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions,
+                             const ServerLimits& limits)
+    : registry_(registry),
+      sessions_(sessions),
+      window_bytes_(limits.upload_window_bytes),
+      assembly_(limits.max_blob_bytes) {}
 
 void UploadSubmaps::End(const absl::Status& status) {
   absl::MutexLock lock(&mutex_);
@@ -68,26 +50,26 @@ void UploadSubmaps::OnReadDone(bool ok) {
   if (!ok && map_id_.empty()) {
     status = InvalidField("header", "the stream ended before it");
   } else if (ok) {
-    switch (request_.frame_case()) {
-      case v1::UploadSubmapsRequest::kHeader:
-        status = OnHeader(request_.header());
-        break;
-      case v1::UploadSubmapsRequest::kSubmap:
-        if (map_id_.empty()) {
-          status = InvalidField("header", "must be the first message");
-        } else {
-          OnSubmap(request_.submap());
-        }
-        break;
-      default:
-        status = InvalidField("frame", "missing");
-    }
+    status = OnFrame();
   }
   absl::MutexLock lock(&mutex_);
   reading_ = false;
   half_closed_ = half_closed_ || !ok;
   if (!status.ok() && !ending_.has_value()) ending_ = status;
   Advance();
+}
+
+absl::Status UploadSubmaps::OnFrame() {
+  const auto frame = request_.frame_case();
+  if (frame == v1::UploadSubmapsRequest::kHeader) return OnHeader(request_.header());
+  if (frame == v1::UploadSubmapsRequest::FRAME_NOT_SET) return InvalidField("frame", "missing");
+  if (map_id_.empty()) return InvalidField("header", "must be the first message");
+  if (frame == v1::UploadSubmapsRequest::kSubmap) {
+    OnSubmap(request_.submap());
+  } else {
+    OnBlob(request_.blob());
+  }
+  return absl::OkStatus();
 }
 
 absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
@@ -99,9 +81,11 @@ absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry_->Find(map_id_);
   if (map.ok()) map_ = *map;
   RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
-  spdlog::info("map {}: {} uploads from submap {}", map_id_, ToString(mission_), NextSequence());
+  const int64_t next_sequence = NextSequence();
+  spdlog::info("map {}: {} uploads from submap {}", map_id_, ToString(mission_), next_sequence);
   absl::MutexLock lock(&mutex_);
-  Answer(ReadyFrame(NextSequence(), window_bytes_));
+  Answer(ReadyFrame(next_sequence, window_bytes_));
+  if (next_sequence > 0) AskForBlobs(*map_);
   return absl::OkStatus();
 }
 
@@ -128,27 +112,89 @@ absl::Status UploadSubmaps::Append(const v1::Submap& message, int64_t bytes) {
   {
     absl::MutexLock lock(&mutex_);
     waiting_bytes_ += bytes;
-    ++waiting_submaps_;
+    ++waiting_;
   }
-  map_->store().Append(std::move(record),
-                       [self = shared_from_this(), map = map_, sequence = message.sequence(),
-                        bytes](const absl::StatusOr<AppendResult>& result) {
-                         if (result.ok() && result->added) self->registry_->Keep(map);
-                         self->OnAppended(*map, sequence, bytes, result);
-                       });
+  map_->store().Append(
+      std::move(record),
+      [self = shared_from_this(), map = map_, sequence = message.sequence(),
+       has_clouds = message.clouds_size() > 0, bytes](const absl::StatusOr<AppendResult>& result) {
+        if (result.ok() && result->added) self->registry_->Keep(map);
+        self->OnAppended(*map, sequence, has_clouds, bytes, result);
+      });
   return absl::OkStatus();
 }
 
-void UploadSubmaps::OnAppended(const HostedMap& map, int64_t sequence, int64_t bytes,
-                               const absl::StatusOr<AppendResult>& result) {
+void UploadSubmaps::OnAppended(const HostedMap& map, int64_t sequence, bool has_clouds,
+                               int64_t bytes, const absl::StatusOr<AppendResult>& result) {
   if (!result.ok()) {
     Reject(sequence, AtField("submap", result.status()), map.store().State(mission_).next_sequence);
   }
   absl::MutexLock lock(&mutex_);
   waiting_bytes_ -= bytes;
-  --waiting_submaps_;
-  if (result.ok()) Answer(AckFrame(result->state.next_sequence - 1));
+  --waiting_;
+  if (result.ok()) {
+    Answer(AckFrame(result->state.next_sequence - 1));
+    // Looked up after the Ack is in its place: an empty Want speaks for all that is acknowledged.
+    if (has_clouds) AskForBlobs(map);
+  }
   Advance();
+}
+
+void UploadSubmaps::OnBlob(const v1::BlobChunk& chunk) {
+  absl::optional<int64_t> wanted_bytes;
+  {
+    absl::MutexLock lock(&mutex_);
+    const auto it = asked_.find(chunk.sha256());
+    if (it != asked_.end()) wanted_bytes = it->second;
+  }
+  absl::optional<BlobAssembly::Outcome> outcome = assembly_.Take(chunk, wanted_bytes);
+  if (!outcome.has_value()) return;
+  if (outcome->status.ok()) return PutBlob(outcome->sha256, std::move(outcome->blob));
+  if (wanted_bytes.has_value()) map_->store().AbandonBlob(mission_, outcome->sha256);
+  absl::MutexLock lock(&mutex_);
+  AnswerBlob(outcome->sha256, outcome->status);
+  if (wanted_bytes.has_value()) AskForBlobs(*map_);
+}
+
+void UploadSubmaps::PutBlob(const std::string& sha256, SharedBlob blob) {
+  const int64_t bytes = static_cast<int64_t>(blob->size());
+  {
+    absl::MutexLock lock(&mutex_);
+    waiting_bytes_ += bytes;
+    ++waiting_;
+  }
+  map_->store().PutBlob(
+      sha256, std::move(blob),
+      [self = shared_from_this(), map = map_, sha256, bytes](const absl::Status& status) {
+        absl::MutexLock lock(&self->mutex_);
+        self->waiting_bytes_ -= bytes;
+        --self->waiting_;
+        self->AnswerBlob(sha256, status);
+        self->AskForBlobs(*map);
+        self->Advance();
+      });
+}
+
+void UploadSubmaps::AnswerBlob(const std::string& sha256, const absl::Status& status) {
+  if (!status.ok()) {
+    spdlog::warn("map {}: {}: cloud not stored: {}", map_id_, ToString(mission_),
+                 HeaderSafe(status.ToString()));
+  }
+  asked_.erase(sha256);
+  no_room_ = no_room_ || absl::IsResourceExhausted(status);
+  Answer(BlobResultFrame(sha256, status));
+}
+
+void UploadSubmaps::AskForBlobs(const HostedMap& map) {
+  if (no_room_ || asked_.size() > limits::kMaxWantsPerFrame / 2) return;
+  // Those asked for are among the first of those missing.
+  const std::vector<MissingBlob> missing =
+      map.store().MissingBlobs(mission_, limits::kMaxWantsPerFrame);
+  std::vector<MissingBlob> wanted;
+  for (const MissingBlob& blob : missing) {
+    if (asked_.emplace(blob.sha256, blob.encoded_bytes).second) wanted.push_back(blob);
+  }
+  if (missing.empty() || !wanted.empty()) Answer(WantFrame(wanted));
 }
 
 void UploadSubmaps::Reject(int64_t sequence, const absl::Status& status,
@@ -186,7 +232,7 @@ void UploadSubmaps::Advance() {
     reading_ = true;
     StartRead(&request_);
   }
-  if (half_closed_ && waiting_submaps_ == 0 && !writing_) FinishWith(absl::OkStatus());
+  if (half_closed_ && waiting_ == 0 && !writing_) FinishWith(absl::OkStatus());
 }
 
 void UploadSubmaps::FinishWith(const absl::Status& status) {

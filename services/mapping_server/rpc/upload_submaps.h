@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// UploadSubmaps: the submaps of one mission, in order.
+// UploadSubmaps: the submaps of one mission, in order, and the blobs of their clouds.
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_RPC_UPLOAD_SUBMAPS_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_RPC_UPLOAD_SUBMAPS_H_
 
@@ -8,12 +8,15 @@
 #include <string>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/types/optional.h"
 #include "grpcpp/support/server_callback.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/rpc/blob_assembly.h"
+#include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/v1/mapping_service.pb.h"
 
@@ -30,9 +33,9 @@ class UploadSubmaps : public UploadReactor,
  public:
   // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
   static UploadReactor* Start(MapRegistry* registry, UploadSessions* sessions,
-                              int64_t window_bytes);
+                              const ServerLimits& limits);
 
-  UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, int64_t window_bytes);
+  UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, const ServerLimits& limits);
 
   void End(const absl::Status& status) override;
 
@@ -42,14 +45,21 @@ class UploadSubmaps : public UploadReactor,
   void OnDone() override;
 
  private:
+  absl::Status OnFrame();
   absl::Status OnHeader(const v1::UploadHeader& header);
   void OnSubmap(const v1::Submap& message);
   // What can be refused without the store.
   absl::StatusOr<SubmapRecord> Check(const v1::Submap& message) const;
   absl::Status Append(const v1::Submap& message, int64_t bytes);
   // From the store, on any thread.
-  void OnAppended(const HostedMap& map, int64_t sequence, int64_t bytes,
+  void OnAppended(const HostedMap& map, int64_t sequence, bool has_clouds, int64_t bytes,
                   const absl::StatusOr<AppendResult>& result);
+  void OnBlob(const v1::BlobChunk& chunk);
+  void PutBlob(const std::string& sha256, SharedBlob blob);
+  void AnswerBlob(const std::string& sha256, const absl::Status& status)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Asks for what is missing as long as little is asked for, or says that nothing is.
+  void AskForBlobs(const HostedMap& map) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Reject(int64_t sequence, const absl::Status& status, int64_t expected_sequence);
   int64_t NextSequence() const;
 
@@ -68,11 +78,15 @@ class UploadSubmaps : public UploadReactor,
   std::string map_id_;  // empty until the header
   MissionId mission_;
   std::shared_ptr<HostedMap> map_;  // null until the first good submap, or when the map is there
+  BlobAssembly assembly_;
 
   absl::Mutex mutex_;
   std::deque<v1::UploadSubmapsResponse> answers_ ABSL_GUARDED_BY(mutex_);  // front: being written
   int64_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // with the store, not answered yet
-  int waiting_submaps_ ABSL_GUARDED_BY(mutex_) = 0;
+  int waiting_ ABSL_GUARDED_BY(mutex_) = 0;            // submaps and blobs
+  // Asked for and not answered yet: bytes by digest.
+  absl::flat_hash_map<std::string, int64_t> asked_ ABSL_GUARDED_BY(mutex_);
+  bool no_room_ ABSL_GUARDED_BY(mutex_) = false;  // for blobs: ask for no more
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool half_closed_ ABSL_GUARDED_BY(mutex_) = false;  // the peer sends no more

@@ -29,6 +29,8 @@ TEST(OptionsFile, TheDocumentedFileHoldsTheDefaults) {
   ServerOptions options;
   options.listen = "elsewhere:1";
   options.limits.max_maps = 7;
+  options.limits.max_blob_bytes = 5;
+  options.limits.max_stored_blob_bytes = 5;
   options.publisher.units.stamp_ns = 5;
   options.publisher.tolerance.rotation_rad = 0.2;
   options.graph.radius_graph.sigma = 9;
@@ -39,6 +41,8 @@ TEST(OptionsFile, TheDocumentedFileHoldsTheDefaults) {
   const ServerOptions defaults;
   EXPECT_EQ(options.listen, defaults.listen);
   EXPECT_EQ(options.limits.max_maps, defaults.limits.max_maps);
+  EXPECT_EQ(options.limits.max_blob_bytes, defaults.limits.max_blob_bytes);
+  EXPECT_EQ(options.limits.max_stored_blob_bytes, defaults.limits.max_stored_blob_bytes);
   EXPECT_EQ(options.publisher.units.stamp_ns, defaults.publisher.units.stamp_ns);
   EXPECT_EQ(options.publisher.tolerance.rotation_rad, defaults.publisher.tolerance.rotation_rad);
   EXPECT_EQ(options.graph.max_nodes, defaults.graph.max_nodes);
