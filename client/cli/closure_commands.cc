@@ -35,10 +35,6 @@ struct ClosureFlags : AdminFlags {
   uint64_t revision = 0;
 };
 
-std::string NodeName(const v1::NodeId& node) {
-  return absl::StrCat(node.mission().robot(), "/", node.mission().mission(), ":", node.index());
-}
-
 // The enum value called PREFIX_NAME.
 template <typename Enum>
 absl::StatusOr<Enum> ParseName(absl::string_view flag, absl::string_view prefix,

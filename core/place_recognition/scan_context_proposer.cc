@@ -76,10 +76,9 @@ std::optional<LoopCandidate> ScanContextProposer::MostSimilar(const NodeId& node
   const auto found = place_of_.find(node);
   if (found == place_of_.end()) return std::nullopt;
   const Place& query = places_[found->second];
-  const std::vector<PlaceMatch> matches =
-      index_.Search(contexts_[found->second], 1, [&](int place) {
-        return place != found->second && MayMatch(query, places_[place]);
-      });
+  const std::vector<PlaceMatch> matches = index_.Search(
+      contexts_[found->second], 1,
+      [&](int place) { return place != found->second && MayMatch(query, places_[place]); });
   if (matches.empty()) return std::nullopt;
   return Candidate(query, matches.front());
 }

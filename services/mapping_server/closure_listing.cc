@@ -146,7 +146,7 @@ void AddIds(const std::vector<std::string>& ids,
   }
 }
 
-v1::Revision ToProto(const HostedMap::PublishedRevision& revision) {
+v1::Revision Describe(const HostedMap::PublishedRevision& revision) {
   const RevisionRecord& record = revision.record;
   v1::Revision message;
   message.set_revision(record.revision);
@@ -238,7 +238,7 @@ absl::StatusOr<v1::ListRevisionsResponse> ListRevisions(const MapRegistry& regis
   }
   ASSIGN_OR_RETURN(Page page, SelectPage(keys, request.page_size(), request.page_token()));
   v1::ListRevisionsResponse response;
-  for (size_t i = page.begin; i < page.end; ++i) *response.add_revisions() = ToProto(revisions[i]);
+  for (size_t i = page.begin; i < page.end; ++i) *response.add_revisions() = Describe(revisions[i]);
   response.set_next_page_token(page.next_page_token);
   return response;
 }

@@ -6,6 +6,8 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/graph/point_cloud_codec.h"
+#include "overtone/core/place_recognition/cloud_gathering.h"
+#include "overtone/core/place_recognition/field_of_view.h"
 
 namespace overtone {
 
@@ -63,14 +65,24 @@ absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const Node
   }
   *travelled_m = own->travelled_m;
   const std::vector<KeyframeEntry>& entries = missions_.at(node.mission);
-  const Rigid3d body_from_mission = own->mission_from_body.Inverse();
   std::vector<Part> parts;
   for (int64_t i = node.index; i >= 0; --i) {
     if (own->travelled_m - entries[i].travelled_m > gather_length_m_) break;
     if (entries[i].blob == nullptr) continue;
-    parts.push_back({body_from_mission * entries[i].mission_from_body, entries[i].blob});
+    parts.push_back({entries[i].mission_from_body, entries[i].blob});
   }
   return parts;
+}
+
+// In the body frame of the first part, the newest keyframe.
+absl::StatusOr<PointCloud> CloudLibrary::Gather(const std::vector<Part>& parts) const {
+  std::vector<CloudAtPose> keyframes;  // oldest first
+  for (auto part = parts.rbegin(); part != parts.rend(); ++part) {
+    ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*part->blob));
+    keyframes.push_back(
+        {part->mission_from_body, std::make_shared<const PointCloud>(std::move(cloud))});
+  }
+  return GatherClouds(keyframes, gather_length_m_);
 }
 
 absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId& node) {
@@ -82,17 +94,12 @@ absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId
   PlaceView view;
   view.node = node;
   ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view.travelled_m));
-  PointCloud gathered;
-  for (const Part& part : parts) {
-    ASSIGN_OR_RETURN(const PointCloud cloud, DecodePointCloud(*part.blob));
-    const Eigen::Matrix3f rotation = part.body_from_part.rotation.toRotationMatrix().cast<float>();
-    const Eigen::Vector3f translation = part.body_from_part.translation.cast<float>();
-    gathered.points.reserve(gathered.size() + cloud.size());
-    for (const Eigen::Vector3f& point : cloud.points) {
-      gathered.points.push_back(rotation * point + translation);
-    }
+  ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*parts.front().blob));
+  view.mission_from_body = parts.front().mission_from_body.rotation;
+  if (parts.size() > 1 && !SeesAllAround(cloud)) {
+    ASSIGN_OR_RETURN(cloud, Gather(parts));
   }
-  view.cloud = std::make_shared<const PointCloud>(std::move(gathered));
+  view.cloud = std::make_shared<const PointCloud>(std::move(cloud));
   auto shared = std::make_shared<const PlaceView>(std::move(view));
   absl::MutexLock lock(&mutex_);
   views_.Insert(node, shared);

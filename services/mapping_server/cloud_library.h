@@ -20,8 +20,8 @@ namespace overtone {
 // Thread-safe.
 class CloudLibrary {
  public:
-  // A view gathers the clouds of the keyframes up to gather_length_m before it; the newest
-  // `max_views` views asked for are kept.
+  // The view of a sensor that does not see all around gathers the clouds of the keyframes up to
+  // gather_length_m before it. The `max_views` views asked for last are kept.
   CloudLibrary(double gather_length_m, size_t max_views)
       : gather_length_m_(gather_length_m), views_(max_views) {}
 
@@ -44,12 +44,13 @@ class CloudLibrary {
     std::shared_ptr<const std::string> blob;  // null: none yet
   };
   struct Part {
-    Rigid3d body_from_part;
+    Rigid3d mission_from_body;
     std::shared_ptr<const std::string> blob;
   };
 
   const KeyframeEntry* Find(const NodeId& node) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // The node's own cloud first.
+  absl::StatusOr<PointCloud> Gather(const std::vector<Part>& parts) const;
+  // The node's own cloud first, then those of the keyframes before it.
   absl::StatusOr<std::vector<Part>> PartsOf(const NodeId& node, double* travelled_m) const;
 
   const double gather_length_m_;

@@ -29,9 +29,9 @@ struct LoopDetectorOptions {
   bool enabled = true;
   // Side by side; each registration takes one.
   int num_threads = 2;
-  // A view gathers the clouds of the keyframes so far back, metres: one scan of a limited sensor or
-  // of a planar laser sees too little.
-  double gather_length_m = 0;
+  // Where the sensor does not see all around, a view gathers the clouds of the keyframes so far
+  // back, metres: one scan alone sees too little.
+  double gather_length_m = 4;
   // Views and their registration pyramids kept ready; beyond, they are made again.
   int max_views = 256;
   ScanContextProposerOptions proposer;
