@@ -22,7 +22,7 @@ namespace overtone {
 struct CliqueOptions {
   // Branches of the search; a count and not a time, so that equal input gives equal output. One
   // costs about n^2 / 64 operations over the n nodes that take part.
-  int64_t max_branches = 10000;
+  int64_t max_branches = 100000;
 
   absl::Status Validate() const;
 };

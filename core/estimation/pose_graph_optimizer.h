@@ -18,8 +18,7 @@
 namespace overtone {
 
 // The latter two see edges only: what sightings alone tie stays apart, each part where its first
-// pose was given. Then every landmark moves
-// into the middle of where its sightings see it.
+// pose was given. Then every landmark moves into the middle of where its sightings see it.
 enum class PoseGraphInitialisation {
   kGiven,         // the graph's own poses and landmarks
   kSpanningTree,  // odometry composed from each component's first pose
@@ -50,7 +49,7 @@ struct PoseGraphOptimizerOptions {
 
 struct PoseGraphResult {
   std::vector<Rigid3d> poses;
-  std::vector<Eigen::Vector3d> landmarks;  // as initialised where no sighting in use reaches
+  std::vector<Eigen::Vector3d> landmarks;  // unseen ones stay where they lost their last sighting
   double initial_cost = 0;  // 1/2 sum of weighted squared residuals, after initialisation
   double final_cost = 0;
   bool converged = false;

@@ -71,6 +71,25 @@ int LargestCliqueByEnumeration(const BitGraph& graph, int num_nodes) {
   return largest;
 }
 
+// Without any bound: adds the common neighbours above the last member, one after the other.
+int LargestCliqueByRecursion(const BitGraph& graph, const BitSet& candidates) {
+  int largest = 0;
+  BitSet left = candidates;
+  for (const int node : candidates.Elements()) {
+    left.Erase(node);
+    BitSet common = left;
+    common.Intersect(graph.Neighbours(node));
+    largest = std::max(largest, 1 + LargestCliqueByRecursion(graph, common));
+  }
+  return largest;
+}
+
+BitSet AllNodes(const BitGraph& graph) {
+  BitSet all(graph.NumNodes());
+  for (int i = 0; i < graph.NumNodes(); ++i) all.Insert(i);
+  return all;
+}
+
 void ExpectProven(const Clique& clique) {
   EXPECT_TRUE(clique.proven_maximum);
   EXPECT_EQ(clique.upper_bound, static_cast<int>(clique.members.size()));
@@ -127,6 +146,26 @@ TEST(MaximumClique, AgreesWithEnumerationOnSmallGraphs) {
         << "trial " << trial;
     ExpectProven(clique);
   }
+}
+
+// Large enough that greed misses the largest now and then.
+TEST(MaximumClique, AgreesWithPlainRecursionWhereGreedIsNotEnough) {
+  std::mt19937 random(6);
+  CliqueOptions greed_only;
+  greed_only.max_branches = 0;
+  int missed_by_greed = 0;
+  for (int trial = 0; trial < 30; ++trial) {
+    const BitGraph graph = RandomGraph(70, 0.5, random);
+    const int largest = LargestCliqueByRecursion(graph, AllNodes(graph));
+    const Clique clique = MaximumClique(graph, {}, {});
+    EXPECT_TRUE(IsClique(graph, clique.members));
+    EXPECT_EQ(static_cast<int>(clique.members.size()), largest) << "trial " << trial;
+    ExpectProven(clique);
+    const Clique greedy = MaximumClique(graph, {}, greed_only);
+    missed_by_greed += static_cast<int>(greedy.members.size()) < largest;
+    EXPECT_GE(greedy.upper_bound, largest);
+  }
+  EXPECT_GT(missed_by_greed, 0);
 }
 
 TEST(MaximumClique, GrowsNodeByNodeAsIfSearchedAnew) {
@@ -196,9 +235,7 @@ TEST(MaximumClique, BoundsTheLargestFromAboveWhateverTheBudget) {
 // A triangle 0 1 2 with a tail 2-3-4: the tail has core number 1, the triangle 2.
 TEST(CoreOrder, NumbersTheDensestPartHighest) {
   const BitGraph graph = MakeGraph(5, {{0, 1}, {1, 2}, {0, 2}, {2, 3}, {3, 4}});
-  BitSet all(5);
-  for (int i = 0; i < 5; ++i) all.Insert(i);
-  const CoreOrder order = OrderByCore(graph, all);
+  const CoreOrder order = OrderByCore(graph, AllNodes(graph));
   EXPECT_THAT(order.core, ElementsAre(1, 1, 2, 2, 2));
   EXPECT_THAT(std::vector<int>(order.nodes.begin(), order.nodes.begin() + 2), ElementsAre(4, 3));
 }
