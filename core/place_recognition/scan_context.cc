@@ -107,7 +107,8 @@ ScanContext ComputeScanContext(const PointCloud& cloud, const Eigen::Quaterniond
   context.columns = highest;
   context.columns.topRows(options.rings - 1) += kLeak * highest.bottomRows(options.rings - 1);
   context.columns.bottomRows(options.rings - 1) += kLeak * highest.topRows(options.rings - 1);
-  context.columns.colwise().normalize();  // leaves zero columns
+  const Eigen::RowVectorXf lengths = context.columns.colwise().norm();  // 0, or 1 and more
+  context.columns.array().rowwise() /= lengths.array().max(1);
   context.seen = (highest.colwise().maxCoeff().array() > 0).cast<float>().transpose();
   const Eigen::VectorXf rings = context.columns.rowwise().sum() / std::max(1.f, context.seen.sum());
   context.ring_key = rings.reshaped(2, options.rings / 2).colwise().sum().transpose();

@@ -24,6 +24,9 @@ struct Keys {
 // The nearest few that may match; the others do not take up room.
 class AdmittedNeighbours {
  public:
+  using DistanceType = float;
+  using IndexType = uint32_t;
+
   AdmittedNeighbours(int capacity, const std::function<bool(int)>& may_match)
       : nearest_(capacity), may_match_(may_match), places_(capacity), distances_(capacity) {
     nearest_.init(places_.data(), distances_.data());
