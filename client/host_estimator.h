@@ -43,6 +43,10 @@ class HostEstimator {
   // server holds that sequence, with other content.)
   virtual void OnSubmapRejected(int64_t /*sequence*/, const absl::Status& /*reason*/) {}
 
+  // Clouds that will never reach the map, `total` since the client began: the outbox was full, or
+  // the server would not have them. Their keyframes are not affected.
+  virtual void OnCloudsDropped(int64_t /*total*/) {}
+
   // The server refused a batch of AddLoopClosures for good; none of it is kept.
   virtual void OnLoopClosuresRejected(const absl::Status& /*reason*/) {}
 };

@@ -11,6 +11,7 @@
 #include "grpcpp/channel.h"
 #include "overtone/client/internal/backoff.h"
 #include "overtone/client/internal/channel.h"
+#include "overtone/client/internal/cloud_encoding.h"
 #include "overtone/client/internal/exception_guard.h"
 #include "overtone/client/internal/graph_subscriber.h"
 #include "overtone/client/internal/host_thread.h"
@@ -50,11 +51,13 @@ class GrpcMappingClient final : public MappingClient {
         outbox_(options_.outbox_capacity_bytes),
         host_(options_.mission, options_.synchronization, options_.min_time_between_comparisons,
               host, logger_),
-        submaps_(stub_.get(), options_.map, options_.mission, NewBackoff(), &outbox_, &counters_,
-                 logger_,
-                 [this](int64_t sequence, const absl::Status& reason) {
-                   OnSubmapRefused(sequence, reason);
-                 }),
+        submaps_(
+            stub_.get(), options_.map, options_.mission, NewBackoff(), &outbox_, &counters_,
+            logger_,
+            [this](int64_t sequence, const absl::Status& reason) {
+              OnSubmapRefused(sequence, reason);
+            },
+            [this] { TellDroppedClouds(); }),
         loop_closures_(stub_.get(), NewBackoff(), &outbox_, &counters_, logger_,
                        [this](const absl::Status& reason) { OnLoopClosuresRefused(reason); }),
         graphs_(stub_.get(), WatchRequest(options_), NewBackoff(), options_.stale_after, &counters_,
@@ -76,9 +79,9 @@ class GrpcMappingClient final : public MappingClient {
     RETURN_IF_ERROR(std::exchange(first_refusal_, absl::OkStatus()));
     if (empty) return absl::OkStatus();
     const OutboxLevel level = outbox_.Level();
-    return absl::DeadlineExceededError(
-        absl::StrCat(level.submaps, " submaps and ", level.loop_closure_batches,
-                     " batches of loop closures still wait for ", options_.server));
+    return absl::DeadlineExceededError(absl::StrCat(
+        level.submaps, " submaps, ", level.blobs, " clouds and ", level.loop_closure_batches,
+        " batches of loop closures still wait for ", options_.server));
   }
 
   absl::Status WaitForKeyframe(int64_t index, uint64_t min_revision,
@@ -99,10 +102,12 @@ class GrpcMappingClient final : public MappingClient {
     stats.link_state = host_.link_state();
     stats.submaps_acknowledged = level.submaps_acknowledged;
     stats.submaps_waiting = level.submaps;
+    stats.blobs_waiting = level.blobs;
     stats.bytes_waiting = level.bytes;
     stats.bytes_sent = counters_.bytes_sent;
     stats.bytes_received = counters_.bytes_received;
     stats.reconnects = counters_.reconnects;
+    stats.clouds_dropped = level.clouds_dropped;
     stats.revision = graph == nullptr ? 0 : graph->revision;
     stats.comparisons = host_.comparisons();
     return stats;
@@ -112,7 +117,9 @@ class GrpcMappingClient final : public MappingClient {
   Backoff NewBackoff() const { return Backoff(options_.initial_backoff, options_.max_backoff); }
 
   absl::Status TakeSubmap(const Submap& submap) {
-    const v1::Submap message = ToProto(submap);
+    v1::Submap message = ToProto(submap);
+    ASSIGN_OR_RETURN(std::vector<WaitingBlob> blobs,
+                     EncodeClouds(submap, options_.clouds, message));
     // The server's own checks, so that it will not refuse later what can be refused now.
     RETURN_IF_ERROR(FromProto(message, options_.mission).status());
     auto bytes = std::make_shared<const std::string>(message.SerializeAsString());
@@ -124,10 +131,12 @@ class GrpcMappingClient final : public MappingClient {
     {
       absl::MutexLock lock(&mutex_);
       RETURN_IF_ERROR(sequence_.Check(submap));
-      RETURN_IF_ERROR(outbox_.PushSubmap({submap.sequence, submap.first_index, std::move(bytes)}));
+      RETURN_IF_ERROR(outbox_.PushSubmap({submap.sequence, submap.first_index, std::move(bytes)},
+                                         std::move(blobs)));
       sequence_.Advance(submap);
     }
     submaps_.Notify();
+    TellDroppedClouds();
     return absl::OkStatus();
   }
 
@@ -147,6 +156,7 @@ class GrpcMappingClient final : public MappingClient {
     RETURN_IF_ERROR(
         outbox_.PushLoopClosures(std::make_shared<const std::string>(request.SerializeAsString())));
     loop_closures_.Notify();
+    TellDroppedClouds();
     return absl::OkStatus();
   }
 
@@ -175,6 +185,14 @@ class GrpcMappingClient final : public MappingClient {
         [sequence, reason](HostEstimator& host) { host.OnSubmapRejected(sequence, reason); });
   }
 
+  void TellDroppedClouds() {
+    absl::MutexLock lock(&mutex_);
+    const int64_t total = outbox_.Level().clouds_dropped;
+    if (total == clouds_told_dropped_) return;
+    clouds_told_dropped_ = total;
+    host_.Post([total](HostEstimator& host) { host.OnCloudsDropped(total); });
+  }
+
   void OnLoopClosuresRefused(const absl::Status& reason) {
     logger_.Error("loop closures refused for good: ", reason.ToString());
     {
@@ -190,6 +208,7 @@ class GrpcMappingClient final : public MappingClient {
   absl::Mutex mutex_;  // makes checking, pushing and advancing one step
   SubmapSequence sequence_ ABSL_GUARDED_BY(mutex_);
   absl::Status first_refusal_ ABSL_GUARDED_BY(mutex_);
+  int64_t clouds_told_dropped_ ABSL_GUARDED_BY(mutex_) = 0;
   const std::unique_ptr<v1::MappingService::Stub> stub_;
   InMemoryOutbox outbox_;
   // Stopped from the last to the first: nothing calls host_ any more when it goes.

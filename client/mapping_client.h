@@ -23,11 +23,13 @@ struct MappingClientStats {
   LinkState link_state = LinkState::kConnecting;
   int64_t submaps_acknowledged = 0;
   int64_t submaps_waiting = 0;
+  int64_t blobs_waiting = 0;  // encoded clouds
   int64_t bytes_waiting = 0;
   int64_t bytes_sent = 0;  // serialised messages, without HTTP/2 framing
   int64_t bytes_received = 0;
   int64_t reconnects = 0;
-  uint64_t revision = 0;  // of the newest graph
+  int64_t clouds_dropped = 0;  // HostEstimator::OnCloudsDropped
+  uint64_t revision = 0;       // of the newest graph
   int64_t comparisons = 0;
 };
 
@@ -51,16 +53,18 @@ class MappingClient {
   virtual ~MappingClient() = default;
 
   // Hands over the next submap: sequence and first_index follow the previous one's. Returns at
-  // once. InvalidArgument naming the field; OutOfRange: not the next one; ResourceExhausted: outbox
-  // full, try again.
+  // once; its clouds are encoded here, in the caller's thread, at about 1.2 ms for 20,000 points.
+  // InvalidArgument naming the field; OutOfRange: not the next one; ResourceExhausted: outbox full,
+  // try again. A full outbox drops the clouds of the oldest submaps first
+  // (HostEstimator::OnCloudsDropped), keyframes never.
   virtual absl::Status AddSubmap(const Submap& submap) = 0;
 
   // Closures found between submaps, or between this robot and another. Same rules.
   virtual absl::Status AddLoopClosures(const std::vector<LoopClosure>& closures) = 0;
 
-  // Waits until everything handed over is acknowledged. DeadlineExceeded otherwise; the reason if
-  // the server refused something for good since the last call (HostEstimator::OnSubmapRejected
-  // tells what).
+  // Waits until everything handed over, clouds too, is acknowledged. DeadlineExceeded otherwise;
+  // the reason if the server refused something for good since the last call
+  // (HostEstimator::OnSubmapRejected tells what).
   virtual absl::Status WaitUntilAcknowledged(absl::Duration timeout) = 0;
 
   // Waits for a graph that holds keyframe `index` of this mission (a server that has mapped it) and

@@ -27,6 +27,10 @@ absl::Status MappingClientOptions::Validate() const {
                                                    limits::kMaxSubmapBytes, " (one submap), got ",
                                                    outbox_capacity_bytes));
   }
+  const absl::Status cloud_status = clouds.Validate();
+  if (!cloud_status.ok()) {
+    return absl::Status(cloud_status.code(), absl::StrCat("clouds.", cloud_status.message()));
+  }
   if (max_nodes < 0 || max_nodes > limits::kMaxGraphNodes) {
     return absl::InvalidArgumentError(
         absl::StrCat("max_nodes: within 0 and ", limits::kMaxGraphNodes, ", got ", max_nodes));

@@ -10,6 +10,7 @@
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
 #include "overtone/core/common/ids.h"
+#include "overtone/core/graph/point_cloud_codec.h"
 #include "overtone/core/synchronization/synchronization_options.h"
 
 namespace overtone {
@@ -21,9 +22,11 @@ struct MappingClientOptions {
   std::string map = "default";            // id rule of core/common/ids.h
   MissionId mission;  // robot and mission; a new mission for every run of the robot
 
-  // Submaps waiting for the server's acknowledgement. When full, AddSubmap answers
-  // ResourceExhausted.
+  // What waits for the server's acknowledgement. When full, the oldest clouds are dropped; when
+  // there are none any more, AddSubmap answers ResourceExhausted.
   int64_t outbox_capacity_bytes = 256 << 20;
+  // How clouds are encoded.
+  CloudCodecOptions clouds;
 
   // Nodes the server may send, 0: the server's own limit. The server Kron-reduces above it.
   int32_t max_nodes = 0;

@@ -19,14 +19,32 @@ absl::Status InMemoryOutbox::Reserve(int64_t bytes) {
     return absl::ResourceExhaustedError(absl::StrCat(
         "outbox full: ", bytes_, " of ", capacity_bytes_, " bytes wait for the server"));
   }
+  MakeRoom(bytes);
   bytes_ += bytes;
   return absl::OkStatus();
 }
 
-absl::Status InMemoryOutbox::PushSubmap(WaitingSubmap submap) {
+void InMemoryOutbox::MakeRoom(int64_t bytes) {
+  for (; !blobs_.empty() && bytes_ + blobs_.bytes() + bytes > capacity_bytes_; ++clouds_dropped_) {
+    blobs_.PopFront();
+  }
+}
+
+void InMemoryOutbox::PushBlob(WaitingBlob blob) {
+  const int64_t bytes = Size(blob.bytes);
+  if (bytes_ + bytes > capacity_bytes_) {
+    ++clouds_dropped_;
+    return;
+  }
+  MakeRoom(bytes);
+  blobs_.Push(std::move(blob));
+}
+
+absl::Status InMemoryOutbox::PushSubmap(WaitingSubmap submap, std::vector<WaitingBlob> blobs) {
   absl::MutexLock lock(&mutex_);
   RETURN_IF_ERROR(Reserve(Size(submap.bytes)));
   submaps_.push_back(std::move(submap));
+  for (WaitingBlob& blob : blobs) PushBlob(std::move(blob));
   return absl::OkStatus();
 }
 
@@ -52,7 +70,28 @@ std::vector<WaitingSubmap> InMemoryOutbox::RemoveSubmapsFrom(int64_t sequence) {
     removed.push_back(std::move(submaps_.back()));
   }
   std::reverse(removed.begin(), removed.end());
+  blobs_.RemoveFrom(sequence);
   return removed;
+}
+
+SharedBytes InMemoryOutbox::FindBlob(const std::string& sha256) const {
+  absl::MutexLock lock(&mutex_);
+  return blobs_.Find(sha256);
+}
+
+void InMemoryOutbox::RemoveBlob(const std::string& sha256) {
+  absl::MutexLock lock(&mutex_);
+  blobs_.Remove(sha256);
+}
+
+void InMemoryOutbox::DropBlob(const std::string& sha256) {
+  absl::MutexLock lock(&mutex_);
+  clouds_dropped_ += blobs_.Remove(sha256);
+}
+
+void InMemoryOutbox::RemoveBlobsThrough(int64_t sequence) {
+  absl::MutexLock lock(&mutex_);
+  blobs_.RemoveThrough(sequence);
 }
 
 absl::Status InMemoryOutbox::PushLoopClosures(SharedBytes batch) {
@@ -76,8 +115,14 @@ void InMemoryOutbox::PopLoopClosures() {
 
 OutboxLevel InMemoryOutbox::Level() const {
   absl::MutexLock lock(&mutex_);
-  return {static_cast<int64_t>(submaps_.size()), static_cast<int64_t>(loop_closures_.size()),
-          bytes_, submaps_acknowledged_};
+  OutboxLevel level;
+  level.submaps = static_cast<int64_t>(submaps_.size());
+  level.loop_closure_batches = static_cast<int64_t>(loop_closures_.size());
+  level.blobs = blobs_.size();
+  level.bytes = bytes_ + blobs_.bytes();
+  level.submaps_acknowledged = submaps_acknowledged_;
+  level.clouds_dropped = clouds_dropped_;
+  return level;
 }
 
 bool InMemoryOutbox::AwaitEmpty(absl::Duration timeout) const {

@@ -14,13 +14,14 @@ namespace overtone {
 
 SubmapUploader::SubmapUploader(v1::MappingService::Stub* stub, std::string map, MissionId mission,
                                Backoff backoff, SubmapOutbox* outbox, TrafficCounters* counters,
-                               Logger logger, RefusalHandler on_refusal)
+                               Logger logger, RefusalHandler on_refusal, DropHandler on_drop)
     : stub_(stub),
       backoff_(std::move(backoff)),
       outbox_(outbox),
       counters_(counters),
       logger_(std::move(logger)),
-      on_refusal_(std::move(on_refusal)) {
+      on_refusal_(std::move(on_refusal)),
+      on_drop_(std::move(on_drop)) {
   header_.set_map(std::move(map));
   header_.mutable_mission()->set_robot(std::move(mission.robot));
   header_.mutable_mission()->set_mission(std::move(mission.mission));
@@ -68,7 +69,7 @@ absl::Status SubmapUploader::RunStream() {
 
 // Ok: the stream ended, or we are to stop. Anything else: we end it.
 absl::Status SubmapUploader::HandleEvents(UploadStream& stream) {
-  Progress progress;
+  Progress progress{SubmapSender(outbox_), BlobSender(outbox_)};
   while (true) {
     switch (AwaitEvent(stream)) {
       case Event::kStop:
@@ -100,43 +101,24 @@ SubmapUploader::Event SubmapUploader::AwaitEvent(const UploadStream& stream) {
 
 absl::Status SubmapUploader::Handle(const v1::UploadSubmapsResponse& response, Progress& progress) {
   counters_->bytes_received += response.ByteSizeLong();
+  Notify();  // whatever it says, there may be more to send now
   switch (response.frame_case()) {
     case v1::UploadSubmapsResponse::kReady:
-      return HandleReady(response.ready(), progress);
+      logger_.Info("upload ready, the server expects submap ", response.ready().next_sequence());
+      return progress.submaps.OnReady(response.ready());
     case v1::UploadSubmapsResponse::kAck:
-      return HandleAck(response.ack(), progress);
+      RETURN_IF_ERROR(progress.submaps.OnAck(response.ack()));
+      backoff_.Reset();
+      return absl::OkStatus();
     case v1::UploadSubmapsResponse::kReject:
       return HandleReject(response.reject(), progress);
+    case v1::UploadSubmapsResponse::kWant:
+      return progress.blobs.OnWant(response.want(), progress.submaps.acknowledged_through());
+    case v1::UploadSubmapsResponse::kBlobResult:
+      return HandleBlobResult(response.blob_result(), progress);
     case v1::UploadSubmapsResponse::FRAME_NOT_SET:
       return absl::OkStatus();  // a frame of a newer protocol
   }
-  return absl::OkStatus();
-}
-
-absl::Status SubmapUploader::HandleReady(const v1::UploadReady& ready, Progress& progress) {
-  if (progress.ready) return absl::InternalError("a second Ready on one stream");
-  progress.ready = true;
-  progress.next = ready.next_sequence();
-  progress.window_bytes = ready.window_bytes();
-  outbox_->RemoveSubmapsThrough(progress.next - 1);
-  logger_.Info("upload ready, the server expects submap ", progress.next);
-  Notify();
-  return absl::OkStatus();
-}
-
-absl::Status SubmapUploader::HandleAck(const v1::UploadAck& ack, Progress& progress) {
-  const int64_t sequence = ack.durable_through_sequence();
-  if (!progress.ready || sequence >= progress.next) {
-    return absl::InternalError(
-        absl::StrCat("the server acknowledged submap ", sequence, ", which it was not sent"));
-  }
-  outbox_->RemoveSubmapsThrough(sequence);
-  while (!progress.in_flight.empty() && progress.in_flight.front().first <= sequence) {
-    progress.in_flight_bytes -= progress.in_flight.front().second;
-    progress.in_flight.pop_front();
-  }
-  backoff_.Reset();
-  Notify();  // the window has moved
   return absl::OkStatus();
 }
 
@@ -144,16 +126,25 @@ absl::Status SubmapUploader::HandleAck(const v1::UploadAck& ack, Progress& progr
 // more than that, since the next Ready says what the server expects.
 absl::Status SubmapUploader::HandleReject(const v1::UploadReject& reject,
                                           const Progress& progress) {
+  RETURN_IF_ERROR(progress.submaps.CheckReject(reject));
   const absl::Status reason(static_cast<absl::StatusCode>(reject.code()), reject.message());
-  if (reason.ok() || !progress.ready || reject.sequence() >= progress.next) {
-    return absl::InternalError(
-        absl::StrCat("the server refused submap ", reject.sequence(), ", which it was not sent"));
-  }
   if (!IsRetryable(reason.code()) && !absl::IsOutOfRange(reason)) {
     on_refusal_(reject.sequence(), reason);
   }
   return absl::Status(reason.code(),
                       absl::StrCat("submap ", reject.sequence(), " refused: ", reason.message()));
+}
+
+absl::Status SubmapUploader::HandleBlobResult(const v1::UploadBlobResult& result,
+                                              Progress& progress) {
+  RETURN_IF_ERROR(progress.blobs.OnResult(result));
+  if (result.code() == 0) {
+    backoff_.Reset();
+  } else {
+    logger_.Warning("the server did not take a cloud: ", result.message());
+    on_drop_();
+  }
+  return absl::OkStatus();
 }
 
 absl::Status SubmapUploader::SendNext(UploadStream& stream, Progress& progress) {
@@ -162,31 +153,12 @@ absl::Status SubmapUploader::SendNext(UploadStream& stream, Progress& progress) 
     absl::MutexLock lock(&mutex_);
     may_send_ = false;
   }
-  if (!progress.ready) return absl::OkStatus();
-  // A host that started over with the same mission hands over again what the server already holds.
-  outbox_->RemoveSubmapsThrough(progress.in_flight.empty() ? progress.next - 1
-                                                           : progress.in_flight.front().first - 1);
-  const std::optional<WaitingSubmap> submap = outbox_->FirstSubmapFrom(progress.next);
-  if (!submap) return absl::OkStatus();
-  if (submap->sequence != progress.next) {
-    return absl::DataLossError(
-        absl::StrCat("the server expects submap ", progress.next, ", but submaps before ",
-                     submap->sequence, " were acknowledged and are gone; start a new mission"));
-  }
-  const int64_t bytes = static_cast<int64_t>(submap->bytes->size());
-  const bool fits = progress.in_flight_bytes + bytes <= progress.window_bytes;
-  if (!fits && !progress.in_flight.empty()) return absl::OkStatus();  // the next Ack notifies
-
-  v1::UploadSubmapsRequest request;
-  if (!request.mutable_submap()->ParseFromString(*submap->bytes)) {
-    return absl::DataLossError(
-        absl::StrCat("submap ", submap->sequence, " in the outbox is damaged"));
-  }
-  counters_->bytes_sent += request.ByteSizeLong();
-  progress.in_flight.emplace_back(submap->sequence, bytes);
-  progress.in_flight_bytes += bytes;
-  ++progress.next;
-  stream.Write(std::move(request));
+  ASSIGN_OR_RETURN(std::optional<v1::UploadSubmapsRequest> request,
+                   progress.submaps.Next(progress.blobs.bytes_in_flight()));
+  if (!request) request = progress.blobs.Next(progress.submaps.window_bytes());
+  if (!request) return absl::OkStatus();
+  counters_->bytes_sent += request->ByteSizeLong();
+  stream.Write(*std::move(request));
   Notify();  // there may be more
   return absl::OkStatus();
 }

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sends the outbox's submaps, in order, and takes from it what the server acknowledges.
+// Sends the outbox's submaps, in order, and the clouds that the server wants; takes from it what
+// the server acknowledges.
 #ifndef OVERTONE_CLIENT_INTERNAL_SUBMAP_UPLOADER_H_
 #define OVERTONE_CLIENT_INTERNAL_SUBMAP_UPLOADER_H_
 
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "overtone/client/internal/backoff.h"
+#include "overtone/client/internal/blob_sender.h"
 #include "overtone/client/internal/logger.h"
 #include "overtone/client/internal/submap_outbox.h"
+#include "overtone/client/internal/submap_sender.h"
 #include "overtone/client/internal/traffic_counters.h"
 #include "overtone/client/internal/upload_stream.h"
 #include "overtone/core/common/ids.h"
@@ -26,7 +27,8 @@ namespace overtone {
 
 // Owns one thread. A stream begins with the header; the server's Ready says where to go on;
 // whatever breaks it (network, server, a Reject) ends it, and the next one begins with a new Ready.
-// So there is one way to recover.
+// So there is one way to recover. A submap goes before any chunk of a cloud that is not under way
+// yet.
 class SubmapUploader {
  public:
   // The server refused this submap for good. Called from the uploader's thread, before the stream
@@ -34,23 +36,24 @@ class SubmapUploader {
   // says.
   using RefusalHandler = std::function<void(int64_t sequence, const absl::Status& reason)>;
 
+  // The server will not have a cloud: the outbox has counted it as dropped. Called from the
+  // uploader's thread.
+  using DropHandler = std::function<void()>;
+
   // All pointers must outlive the uploader.
   SubmapUploader(v1::MappingService::Stub* stub, std::string map, MissionId mission,
                  Backoff backoff, SubmapOutbox* outbox, TrafficCounters* counters, Logger logger,
-                 RefusalHandler on_refusal);
+                 RefusalHandler on_refusal, DropHandler on_drop);
   ~SubmapUploader();  // cancels the stream; does not wait for the network
 
   // The outbox has something new.
   void Notify();
 
  private:
-  // Where one stream stands. Sequences [first unacknowledged, next) are in flight.
+  // Where one stream stands.
   struct Progress {
-    bool ready = false;
-    int64_t next = 0;
-    int64_t window_bytes = 0;
-    std::deque<std::pair<int64_t, int64_t>> in_flight;  // sequence, bytes
-    int64_t in_flight_bytes = 0;
+    SubmapSender submaps;
+    BlobSender blobs;
   };
   enum class Event { kStop, kMessage, kEnded, kCanSend };
 
@@ -59,9 +62,8 @@ class SubmapUploader {
   absl::Status HandleEvents(UploadStream& stream);
   Event AwaitEvent(const UploadStream& stream);
   absl::Status Handle(const v1::UploadSubmapsResponse& response, Progress& progress);
-  absl::Status HandleReady(const v1::UploadReady& ready, Progress& progress);
-  absl::Status HandleAck(const v1::UploadAck& ack, Progress& progress);
   absl::Status HandleReject(const v1::UploadReject& reject, const Progress& progress);
+  absl::Status HandleBlobResult(const v1::UploadBlobResult& result, Progress& progress);
   absl::Status SendNext(UploadStream& stream, Progress& progress);
 
   v1::MappingService::Stub* const stub_;
@@ -71,6 +73,7 @@ class SubmapUploader {
   TrafficCounters* const counters_;
   const Logger logger_;
   const RefusalHandler on_refusal_;
+  const DropHandler on_drop_;
 
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

@@ -36,7 +36,7 @@ absl::optional<BlobAssembly::Outcome> BlobAssembly::Take(const v1::BlobChunk& ch
 absl::Status BlobAssembly::Append(const v1::BlobChunk& chunk,
                                   absl::optional<int64_t> wanted_bytes) {
   if (!wanted_bytes.has_value()) return absl::FailedPreconditionError("blob.sha256: not wanted");
-  if (chunk.gone()) return absl::NotFoundError("blob.gone: so be it");
+  if (chunk.gone()) return absl::NotFoundError("blob.gone: its robot no longer has it");
   if (*wanted_bytes > max_blob_bytes_) {
     return InvalidField("blob", absl::StrCat(*wanted_bytes, " bytes, the server takes ",
                                              max_blob_bytes_, " at most"));

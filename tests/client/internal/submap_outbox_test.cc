@@ -18,7 +18,7 @@ WaitingSubmap SubmapOf(int64_t sequence, int size) {
 TEST(InMemoryOutbox, KeepsSubmapsInOrderUntilTheyAreAcknowledged) {
   InMemoryOutbox outbox(/*capacity_bytes=*/1000);
   for (int64_t sequence = 3; sequence < 8; ++sequence)
-    ASSERT_TRUE(outbox.PushSubmap(SubmapOf(sequence, 10)).ok());
+    ASSERT_TRUE(outbox.PushSubmap(SubmapOf(sequence, 10), {}).ok());
 
   EXPECT_EQ(outbox.FirstSubmapFrom(0)->sequence, 3);
   EXPECT_EQ(outbox.FirstSubmapFrom(5)->sequence, 5);
@@ -35,7 +35,7 @@ TEST(InMemoryOutbox, KeepsSubmapsInOrderUntilTheyAreAcknowledged) {
 TEST(InMemoryOutbox, RemovesARefusedSubmapWithAllThatFollow) {
   InMemoryOutbox outbox(1000);
   for (int64_t sequence = 0; sequence < 5; ++sequence)
-    ASSERT_TRUE(outbox.PushSubmap(SubmapOf(sequence, 10)).ok());
+    ASSERT_TRUE(outbox.PushSubmap(SubmapOf(sequence, 10), {}).ok());
   const std::vector<WaitingSubmap> removed = outbox.RemoveSubmapsFrom(2);
   ASSERT_EQ(removed.size(), 3);
   EXPECT_EQ(removed.front().sequence, 2);
@@ -44,21 +44,21 @@ TEST(InMemoryOutbox, RemovesARefusedSubmapWithAllThatFollow) {
   EXPECT_EQ(outbox.Level().submaps, 2);
   EXPECT_EQ(outbox.Level().submaps_acknowledged, 0);
   EXPECT_EQ(outbox.Level().bytes, 20);
-  EXPECT_TRUE(outbox.PushSubmap(SubmapOf(2, 10)).ok());
+  EXPECT_TRUE(outbox.PushSubmap(SubmapOf(2, 10), {}).ok());
   EXPECT_EQ(outbox.FirstSubmapFrom(2)->sequence, 2);
 }
 
 TEST(InMemoryOutbox, BothQueuesShareOneBoundAndAFullOneKeepsNothing) {
   InMemoryOutbox outbox(100);
-  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 60)).ok());
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 60), {}).ok());
   ASSERT_TRUE(outbox.PushLoopClosures(Bytes(40)).ok());
-  EXPECT_EQ(outbox.PushSubmap(SubmapOf(1, 1)).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_EQ(outbox.PushSubmap(SubmapOf(1, 1), {}).code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(outbox.PushLoopClosures(Bytes(1)).code(), absl::StatusCode::kResourceExhausted);
   EXPECT_EQ(outbox.Level().bytes, 100);
   EXPECT_FALSE(outbox.FirstSubmapFrom(1).has_value());
 
   outbox.PopLoopClosures();
-  EXPECT_TRUE(outbox.PushSubmap(SubmapOf(1, 40)).ok());
+  EXPECT_TRUE(outbox.PushSubmap(SubmapOf(1, 40), {}).ok());
 }
 
 TEST(InMemoryOutbox, HandsOutLoopClosuresInOrderOfArrival) {
@@ -77,7 +77,7 @@ TEST(InMemoryOutbox, HandsOutLoopClosuresInOrderOfArrival) {
 TEST(InMemoryOutbox, WhoWaitsForItToBeEmptyWakesWithTheLastRemoval) {
   InMemoryOutbox outbox(100);
   EXPECT_TRUE(outbox.AwaitEmpty(absl::ZeroDuration()));
-  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 1)).ok());
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 1), {}).ok());
   ASSERT_TRUE(outbox.PushLoopClosures(Bytes(1)).ok());
   EXPECT_FALSE(outbox.AwaitEmpty(absl::Milliseconds(10)));
   std::thread acknowledge([&] {

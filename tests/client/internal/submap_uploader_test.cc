@@ -35,11 +35,13 @@ class Robot {
     uploader_ = std::make_unique<SubmapUploader>(
         stub_.get(), "town", TestMission(),
         Backoff(options.initial_backoff, options.max_backoff, /*seed=*/1), &outbox_, &counters_,
-        Logger(), [this](int64_t sequence, const absl::Status& reason) {
+        Logger(),
+        [this](int64_t sequence, const absl::Status& reason) {
           absl::MutexLock lock(&mutex_);
           refused_.emplace_back(sequence, reason.code());
           outbox_.RemoveSubmapsFrom(sequence);
-        });
+        },
+        [] {});
   }
 
   void Push(int64_t sequence) {
@@ -47,7 +49,7 @@ class Robot {
     submap.set_sequence(sequence);
     submap.set_first_index(200);
     const auto bytes = std::make_shared<const std::string>(submap.SerializeAsString());
-    ASSERT_TRUE(outbox_.PushSubmap({sequence, 10 * sequence, bytes}).ok());
+    ASSERT_TRUE(outbox_.PushSubmap({sequence, 10 * sequence, bytes}, {}).ok());
     if (uploader_ != nullptr) uploader_->Notify();
   }
 

@@ -60,6 +60,11 @@ class Uploader {
     return Read();
   }
   v1::UploadSubmapsResponse Send(const Submap& submap) { return Send(ToProto(submap)); }
+  void Write(const v1::BlobChunk& chunk) {
+    v1::UploadSubmapsRequest request;
+    *request.mutable_blob() = chunk;
+    stream_->Write(request);
+  }
   void Write(const v1::UploadSubmapsRequest& request) { stream_->Write(request); }
 
   grpc::Status Close() {

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/client/internal/submap_sender.h"
+
+#include <algorithm>
+
+#include "absl/strings/str_cat.h"
+
+namespace overtone {
+
+absl::Status SubmapSender::OnReady(const v1::UploadReady& ready) {
+  if (ready_) return absl::InternalError("a second Ready on one stream");
+  ready_ = true;
+  next_ = ready.next_sequence();
+  window_bytes_ = ready.window_bytes();
+  acknowledged_through_ = next_ - 1;
+  outbox_->RemoveSubmapsThrough(acknowledged_through_);
+  return absl::OkStatus();
+}
+
+absl::Status SubmapSender::OnAck(const v1::UploadAck& ack) {
+  const int64_t sequence = ack.durable_through_sequence();
+  if (!ready_ || sequence >= next_) {
+    return absl::InternalError(
+        absl::StrCat("the server acknowledged submap ", sequence, ", which it was not sent"));
+  }
+  acknowledged_through_ = std::max(acknowledged_through_, sequence);
+  outbox_->RemoveSubmapsThrough(sequence);
+  while (!in_flight_.empty() && in_flight_.front().first <= sequence) {
+    in_flight_bytes_ -= in_flight_.front().second;
+    in_flight_.pop_front();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SubmapSender::CheckReject(const v1::UploadReject& reject) const {
+  if (reject.code() != 0 && ready_ && reject.sequence() < next_) return absl::OkStatus();
+  return absl::InternalError(
+      absl::StrCat("the server refused submap ", reject.sequence(), ", which it was not sent"));
+}
+
+absl::StatusOr<std::optional<v1::UploadSubmapsRequest>> SubmapSender::Next(int64_t other_bytes) {
+  if (!ready_) return std::nullopt;
+  // A host that started over with the same mission hands over again what the server already holds.
+  outbox_->RemoveSubmapsThrough(in_flight_.empty() ? next_ - 1 : in_flight_.front().first - 1);
+  const std::optional<WaitingSubmap> submap = outbox_->FirstSubmapFrom(next_);
+  if (!submap) return std::nullopt;
+  if (submap->sequence != next_) {
+    return absl::DataLossError(
+        absl::StrCat("the server expects submap ", next_, ", but submaps before ", submap->sequence,
+                     " were acknowledged and are gone; start a new mission"));
+  }
+  const int64_t bytes = static_cast<int64_t>(submap->bytes->size());
+  const bool fits = in_flight_bytes_ + other_bytes + bytes <= window_bytes_;
+  if (!fits && !in_flight_.empty()) return std::nullopt;  // the next Ack makes room
+
+  v1::UploadSubmapsRequest request;
+  if (!request.mutable_submap()->ParseFromString(*submap->bytes)) {
+    return absl::DataLossError(
+        absl::StrCat("submap ", submap->sequence, " in the outbox is damaged"));
+  }
+  in_flight_.emplace_back(submap->sequence, bytes);
+  in_flight_bytes_ += bytes;
+  ++next_;
+  return request;
+}
+
+}  // namespace overtone
