@@ -147,8 +147,8 @@ LidarOptions LidarOf(const SimulateOptions& options) {
 }
 
 void Report(const SimulatedFolder& robot) {
-  std::cout << absl::StreamFormat("%s: %d keyframes over %.0f m, %.1f million points", robot.name,
-                                  robot.num_keyframes, robot.path_m, 1e-6 * robot.num_points);
+  std::cout << absl::StreamFormat("%s: %d keyframes over %.0f m, %d points", robot.name,
+                                  robot.num_keyframes, robot.path_m, robot.num_points);
   if (robot.num_degenerate > 0) std::cout << ", " << robot.num_degenerate << " degenerate";
   std::cout << std::endl;
 }

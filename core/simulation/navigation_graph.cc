@@ -92,7 +92,7 @@ std::vector<int> NavigationGraph::Visit(const std::vector<int>& stops) const {
 }
 
 void NavigationGraph::Explore(double length_m, Random& random, std::vector<int>* walk) const {
-  const auto key = [](int a, int b) { return std::minmax(a, b); };
+  const auto key = [](int a, int b) { return std::pair<int, int>(std::minmax({a, b})); };
   std::map<std::pair<int, int>, int> times_taken;
   for (size_t i = 1; i < walk->size(); ++i) ++times_taken[key((*walk)[i - 1], (*walk)[i])];
   double length = Length(*walk);
