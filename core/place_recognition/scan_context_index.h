@@ -40,6 +40,7 @@ class ScanContextIndex {
                                  const std::function<bool(int)>& may_match) const;
 
   int size() const { return static_cast<int>(places_.size()); }
+  const ScanContext& place(int number) const { return places_[number]; }
 
  private:
   class RingKeys;

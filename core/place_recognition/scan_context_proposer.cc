@@ -66,9 +66,8 @@ std::vector<LoopCandidate> ScanContextProposer::Propose(const PlaceView& view) {
     chosen.push_back(match.place);
     candidates.push_back(Candidate(query, match));
   }
-  place_of_[view.node] = index_.Add(context);
+  place_of_[view.node] = index_.Add(std::move(context));
   places_.push_back(query);
-  contexts_.push_back(std::move(context));
   return candidates;
 }
 
@@ -77,7 +76,7 @@ std::optional<LoopCandidate> ScanContextProposer::MostSimilar(const NodeId& node
   if (found == place_of_.end()) return std::nullopt;
   const Place& query = places_[found->second];
   const std::vector<PlaceMatch> matches = index_.Search(
-      contexts_[found->second], 1,
+      index_.place(found->second), 1,
       [&](int place) { return place != found->second && MayMatch(query, places_[place]); });
   if (matches.empty()) return std::nullopt;
   return Candidate(query, matches.front());

@@ -49,8 +49,7 @@ class ScanContextProposer final : public LoopProposer {
 
   const ScanContextProposerOptions options_;
   ScanContextIndex index_;
-  std::vector<Place> places_;          // by the index's numbers
-  std::vector<ScanContext> contexts_;  // likewise
+  std::vector<Place> places_;  // by the index's numbers
   std::map<NodeId, int> place_of_;
 };
 
