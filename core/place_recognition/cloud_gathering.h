@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a robot saw over the last metres of its way, as if at once: a limited sensor or a planar
-// laser sees too little from one keyframe.
+// What a robot saw over the last metres of its way, as if at once. From one keyframe a planar laser
+// sees too little: with 5 m of way it recognises a fifth more of the places it comes within 1 m of
+// (public_places_test). The 3-D lidar there, though it sees 70 degrees only, needs no more than 1
+// m.
 #ifndef OVERTONE_CORE_PLACE_RECOGNITION_CLOUD_GATHERING_H_
 #define OVERTONE_CORE_PLACE_RECOGNITION_CLOUD_GATHERING_H_
 

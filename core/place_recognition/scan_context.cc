@@ -63,6 +63,16 @@ Eigen::MatrixXf HighestPoints(std::vector<Eigen::Vector3f> points,
 
 double Evidence(double sectors) { return sectors / (sectors + kDoubtSectors); }
 
+// Sum over all entries of a * b, a's columns taken s further on (around the end), for each s. With
+// a written down twice, what a shift takes is one stretch of memory: a column of a matrix that
+// overlaps itself.
+Eigen::VectorXf DotAtEachShift(const Eigen::MatrixXf& a, const Eigen::MatrixXf& b) {
+  const Eigen::MatrixXf twice = a.replicate(1, 2);
+  const Eigen::Map<const Eigen::MatrixXf, 0, Eigen::OuterStride<>> shifted(
+      twice.data(), a.size(), a.cols(), Eigen::OuterStride<>(a.rows()));
+  return shifted.transpose() * b.reshaped();
+}
+
 // Of a parabola through (-1, before), (0, best), (1, after): where it is highest.
 double Peak(double before, double best, double after) {
   const double curvature = before - 2 * best + after;
@@ -83,6 +93,9 @@ absl::Status ScanContextOptions::Validate() const {
   }
   if (!(min_common_share >= 0 && min_common_share <= 1)) {
     return absl::InvalidArgumentError("min_common_share is not in [0, 1]");
+  }
+  if (!(proposal_threshold >= 0 && proposal_threshold <= 1)) {
+    return absl::InvalidArgumentError("proposal_threshold is not in [0, 1]");
   }
   return absl::OkStatus();
 }
@@ -118,17 +131,14 @@ ScanContext ComputeScanContext(const PointCloud& cloud, const Eigen::Quaterniond
 ScanContextMatch CompareScanContexts(const ScanContext& from, const ScanContext& to,
                                      const ScanContextOptions& options) {
   const Eigen::Index sectors = to.columns.cols();
-  // Twice around, every shift is one stretch of memory, and all columns' products one product.
-  const Eigen::MatrixXf columns = from.columns.replicate(1, 2);
-  const Eigen::VectorXf seen = from.seen.replicate(2, 1);
+  const Eigen::VectorXf cosines = DotAtEachShift(from.columns, to.columns);
+  const Eigen::VectorXf common = DotAtEachShift(from.seen.transpose(), to.seen.transpose());
   const double least_seen = std::min(from.seen.sum(), to.seen.sum());
   const double sure = Evidence(std::max(least_seen, sectors * kSureAngle / kTwoPi));
   Eigen::VectorXd similarities = Eigen::VectorXd::Zero(sectors);
   for (Eigen::Index shift = 0; shift < sectors; ++shift) {
-    const double common = seen.segment(shift, sectors).dot(to.seen);
-    if (common == 0 || common < options.min_common_share * least_seen) continue;
-    const double cosines = columns.middleCols(shift, sectors).reshaped().dot(to.columns.reshaped());
-    similarities[shift] = cosines / common * Evidence(common) / sure;
+    if (common[shift] == 0 || common[shift] < options.min_common_share * least_seen) continue;
+    similarities[shift] = cosines[shift] / common[shift] * Evidence(common[shift]) / sure;
   }
   Eigen::Index best;
   ScanContextMatch match;

@@ -31,6 +31,7 @@ TEST(ScanContextOptions, DefaultsAreValidAndNonsenseIsNot) {
   EXPECT_TRUE(refused([](auto& o) { o.rings = 31; }));
   EXPECT_TRUE(refused([](auto& o) { o.sectors = 3; }));
   EXPECT_TRUE(refused([](auto& o) { o.min_common_share = std::nan(""); }));
+  EXPECT_TRUE(refused([](auto& o) { o.proposal_threshold = 1.1; }));
 }
 
 TEST(ScanContext, APointGoesToItsRingAndLeaksIntoTheTwoBeside) {
@@ -94,7 +95,7 @@ TEST(CompareScanContexts, IsSymmetricAndYawChangesItsSign) {
 }
 
 // p_from = Rz(yaw) p_to: the same things seen `turn` further left in `from` than in `to`.
-TEST(CompareScanContexts, FindsTheYawToATenthOfTheCircleAndBetter) {
+TEST(CompareScanContexts, FindsTheYawToLessThanASector) {
   const PointCloud cloud = SyntheticPlace(3, -M_PI, M_PI, /*things=*/2400);
   double worst = 0;
   for (double turn = -3.1; turn < 3.1; turn += 0.23) {
@@ -107,7 +108,7 @@ TEST(CompareScanContexts, FindsTheYawToATenthOfTheCircleAndBetter) {
 
 TEST(CompareScanContexts, SectorsThatOneDidNotSeeDoNotCount) {
   const ScanContext everything = Upright(SyntheticPlace(4));
-  const ScanContext quarter = Upright(SyntheticPlace(4, -M_PI / 4, M_PI / 4));
+  const ScanContext quarter = Upright(SyntheticPlace(4, -8 * kSector, 8 * kSector));
   EXPECT_EQ(quarter.seen.sum(), 16);
   EXPECT_NEAR(CompareScanContexts(everything, quarter, kOptions).similarity, 1, 1e-5);
 }

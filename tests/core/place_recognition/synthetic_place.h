@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A place without design: columns of points all around, of random distance and height.
+// A place without design: poles all around, of random distance and height. Some places are wide,
+// some narrow.
 #ifndef OVERTONE_TESTS_CORE_PLACE_RECOGNITION_SYNTHETIC_PLACE_H_
 #define OVERTONE_TESTS_CORE_PLACE_RECOGNITION_SYNTHETIC_PLACE_H_
 
@@ -16,10 +17,11 @@ inline PointCloud SyntheticPlace(unsigned seed, double first_rad = -M_PI, double
                                  int things = 240) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);
+  const double width = 4 + 26 * unit(random);
   PointCloud cloud;
   for (int i = 0; i < things; ++i) {
     const double heading = -M_PI + 2 * M_PI * (i + 0.5) / things;
-    const double range = 2 * std::pow(30, unit(random));
+    const double range = 2 * std::pow(width, unit(random));
     const double height = 8 * unit(random);
     if (heading < first_rad || heading > last_rad) continue;
     const Eigen::Vector2f foot(range * std::cos(heading), range * std::sin(heading));
