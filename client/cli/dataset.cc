@@ -46,13 +46,13 @@ DatasetDefaults DefaultsOf(DatasetKind kind) {
       return {{2, 0.3}, {0.1, 0.001, 0.01}, false};
     case DatasetKind::kG2o:
       return {{0, 0}, {}, false};  // every vertex; covariances are in the file
-    // Fitted to the sequences that data/README.md of the evaluation lists, over 10 s of driving.
+    // MRCLAM 6, and Radish intel (twice as bad) and aces (better): errors over 10 s of driving.
     case DatasetKind::kMrclam:
       return {{0.4, 0.5}, {0.07, 0.07, 0.11}, true};
     case DatasetKind::kPcd:
       return {{0, 0}, {0.03, 0.002, 0.01}, true};  // every scan
     case DatasetKind::kCarmen:
-      return {{0.4, 0.3}, {0.05, 0.02, 0.05}, true};
+      return {{0.4, 0.3}, {0.07, 0.05, 0.06}, true};
     case DatasetKind::kTuc:
       return {{0.5, 0.5}, {}, true};  // covariances are in the file
   }

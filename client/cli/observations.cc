@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/client/cli/observations.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "absl/strings/str_format.h"
@@ -45,7 +46,10 @@ absl::Status WriteClouds(const std::string& folder, Observations* observations) 
   for (RecordedCloud& recorded : observations->clouds) {
     if (recorded.cloud == nullptr) continue;
     RETURN_IF_ERROR(MakeFolder(folder));
-    recorded.path = absl::StrFormat("%s/%06d.pcd", folder, recorded.index);
+    // Absolute: who reads it may run elsewhere.
+    std::error_code error;
+    recorded.path =
+        std::filesystem::absolute(absl::StrFormat("%s/%06d.pcd", folder, recorded.index), error);
     RETURN_IF_ERROR(WritePcd(recorded.path, *recorded.cloud));
     recorded.cloud.reset();
   }

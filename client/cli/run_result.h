@@ -86,12 +86,12 @@ struct ClosureTruth {
 };
 
 struct ClosureResult {
-  LoopClosure closure;   // MissionId::robot is the robot's name
-  std::string proposer;  // "robot", "robot_score", "scan_context"
-  bool measured = true;  // false: closure.from_tform_to is a guess
-  double score = 0;      // similarity of the two places, [0, 1]; 0: none was computed
-  std::string verdict;   // "accepted", "demoted_by_optimiser", "pending", "rejected_overlap", ...
-  double weight = 0;     // [0, 1]
+  LoopClosure closure;             // MissionId::robot is the robot's name
+  std::string proposer = "robot";  // "robot", "robot_score", "scan_context"
+  bool measured = true;            // false: closure.from_tform_to is a guess
+  double score = 0;                // similarity of the two places, [0, 1]; 0: none was computed
+  std::string verdict;  // "accepted", "demoted_by_optimiser", "pending", "rejected_overlap", ...
+  double weight = 0;    // [0, 1]
   double chi_square = 0;
   std::optional<ClosureTruth> truth;  // absent: the ground truth does not know
   bool simulated = false;             // made from ground truth

@@ -181,6 +181,29 @@ TEST(ClosureFile, WhatARunWritesCanBeReadAgain) {
   EXPECT_LT(((*again)[0].covariance - row.closure.covariance).norm(), 1e-9);
 }
 
+TEST(ClosureFile, WhatTheServerFoundIsNotTheRobotsWord) {
+  const std::vector<RobotPlan> plans = {Plan("a"), Plan("b")};
+  RunResult result;
+  for (const RobotPlan& plan : plans) {
+    result.robots.emplace_back();
+    result.robots.back().name = plan.name;
+    result.robots.back().stamps = plan.stamps;
+  }
+  for (const char* proposer : {"robot", "scan_context", "robot_score"}) {
+    ClosureResult row;
+    row.closure.from = {{"a", "run"}, 0};
+    row.closure.to = {{"b", "run"}, 1};
+    row.proposer = proposer;
+    row.truth = ClosureTruth();
+    result.closures.push_back(row);
+  }
+  const std::string path = TemporaryPath("closures.csv");
+  ASSERT_TRUE(WriteClosures(path, result).ok());
+  const auto again = ReadClosures(path, plans);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_EQ(again->size(), 1);
+}
+
 TEST(ClosureFile, ErrorsNameTheLine) {
   const std::vector<RobotPlan> plans = {Plan("a"), Plan("b")};
   const std::string path = TemporaryPath("bad.csv");
