@@ -54,6 +54,7 @@ std::vector<int> SceneBuilder::AddPassage(const Room& from,
                                           const Space& style) {
   const auto& positions = graph().positions();
   std::vector<int> at_bends;
+  at_bends.reserve(bends.size());
   for (const Eigen::Vector2d& bend : bends) at_bends.push_back(graph().AddWaypoint(bend));
   // Without bends, each end is the one nearest to the other room's first waypoint.
   const Eigen::Vector2d towards_from = bends.empty() ? positions[to.front()] : bends.front();

@@ -9,8 +9,8 @@ namespace overtone {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
-// Two walls meet at a cell's edge: wider by this, relative to a wall or to the way so far, no ray
-// slips through between them.
+// A ray that passes where two cells meet is looked for this far into both, relative to the way so
+// far, lest rounding let it slip through between their walls.
 constexpr double kSeam = 1e-9;
 
 // The smallest root of a t^2 + b t + c in (0, limit], c > 0; none: infinity.
@@ -26,13 +26,13 @@ double FirstRoot(double a, double b, double c, double limit) {
   return first;
 }
 
-// Where the ray from `p` along `d`, seen from above, crosses the wall.
+// Where the ray from `p` along `d`, seen from above, crosses the line through the wall; not finite
+// when they are parallel. A wall spans its cell from edge to edge: within the cell, line and wall
+// are one.
 double CastToWall(const Segment& wall, const Eigen::Vector2d& p, const Eigen::Vector2d& d) {
   const Eigen::Vector2d along = wall.end - wall.begin, to_wall = wall.begin - p;
-  const double determinant = d.x() * along.y() - d.y() * along.x();
-  const double s = (to_wall.x() * d.y() - to_wall.y() * d.x()) / determinant;
-  if (!(s >= -kSeam && s <= 1 + kSeam)) return kNone;  // also when they are parallel
-  return (to_wall.x() * along.y() - to_wall.y() * along.x()) / determinant;
+  return (to_wall.x() * along.y() - to_wall.y() * along.x()) /
+         (d.x() * along.y() - d.y() * along.x());
 }
 
 }  // namespace

@@ -121,6 +121,16 @@ TEST(Scenario, OneSeedGivesOneScenarioDownToThePoints) {
   }
 }
 
+TEST(Scenario, NoiseDiffersFromScanToScanOfOnePlace) {
+  Scenario scenario = Simulate({});
+  ScenarioRobot& robot = scenario.robots[0];
+  robot.ground_truth[6].pose = robot.ground_truth[5].pose;
+  const auto lidar = Lidar::Create({});
+  ASSERT_TRUE(lidar.ok());
+  EXPECT_NE(robot.Scan(scenario.world, *lidar, 5).points,
+            robot.Scan(scenario.world, *lidar, 6).points);
+}
+
 TEST(Scenario, WithoutNoiseOdometryIsTheTruthFromItsFirstPose) {
   ScenarioOptions options;
   options.odometry = kNoNoise;

@@ -49,6 +49,21 @@ TEST(World, ATurnedWallIsStraightToo) {
   }
 }
 
+// Cells meet there: rounding must not let a ray slip through between them.
+TEST(World, RaysAimedExactlyAtTheCornersOfCellsHitThem) {
+  const World world(RoomPlan());
+  Random random(6);
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector3d origin = Eigen::Vector3d(2, 0, 1.5) + 0.3 * random.Normal3();
+    Eigen::Vector3d target(-5 + 0.5 * random.Below(29), -3 + 0.5 * random.Below(13), 0);
+    if (i % 3 == 1) target.z() = 3;   // ceiling
+    if (i % 3 == 2) target.y() = -4;  // where wall and ground meet
+    const double distance = (target - origin).norm();
+    EXPECT_NEAR(world.CastRay(origin, (target - origin) / distance, 50), distance, 1e-9)
+        << origin.transpose() << " to " << target.transpose();
+  }
+}
+
 TEST(World, ObstaclesHideWhatIsBehindThemAndOnlyThat) {
   FloorPlan plan = RoomPlan();
   Obstacle crate;
