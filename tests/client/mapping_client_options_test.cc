@@ -31,6 +31,7 @@ TEST(MappingClientOptions, ErrorsNameTheOption) {
       {"mission.robot", [](auto& o) { o.mission.robot = ""; }},
       {"mission.mission", [](auto& o) { o.mission.mission = "../etc"; }},
       {"outbox_capacity_bytes", [](auto& o) { o.outbox_capacity_bytes = 1000; }},
+      {"clouds.resolution_m", [](auto& o) { o.clouds.resolution_m = 0; }},
       {"max_nodes", [](auto& o) { o.max_nodes = -1; }},
       {"max_nodes", [](auto& o) { o.max_nodes = 1'000'001; }},
       {"min_time_between_comparisons",

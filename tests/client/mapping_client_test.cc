@@ -206,6 +206,62 @@ TEST(MappingClient, AFullOutboxSaysSoAndTakesTheSameSubmapOnceThereIsRoom) {
   EXPECT_TRUE(client->AddSubmap(StraightSubmap(sequence, 100)).ok());
 }
 
+TEST(MappingClient, CloudsGoUpBehindTheirSubmaps) {
+  StraightTown town;
+  FakeHost host;
+  const auto client = Connect(OptionsFor(town.server.address()), &host);
+  for (int64_t i = 0; i < 3; ++i) {
+    const absl::Status status = client->AddSubmap(WithClouds(StraightSubmap(i), 4));
+    ASSERT_TRUE(status.ok()) << status;
+  }
+  ASSERT_TRUE(client->WaitUntilAcknowledged(kPatience).ok());
+  const std::vector<std::string> blobs = town.server.Blobs();
+  ASSERT_EQ(blobs.size(), 12u);
+  for (const std::string& blob : blobs) EXPECT_EQ(DecodePointCloud(blob)->size(), 50u);
+  EXPECT_EQ(client->Stats().submaps_acknowledged, 3);
+  EXPECT_EQ(client->Stats().blobs_waiting, 0);
+  EXPECT_EQ(client->Stats().clouds_dropped, 0);
+}
+
+TEST(MappingClient, NamesWhatIsWrongWithACloudAndWaitsForThoseThatAreRight) {
+  FakeHost host;
+  const auto client = Connect(OptionsFor("127.0.0.1:1"), &host);
+  Submap submap = WithClouds(StraightSubmap(0), 2);
+  submap.clouds[1].index = 10;
+  EXPECT_THAT(std::string(client->AddSubmap(submap).message()), HasSubstr("clouds[1].index: 10"));
+  submap.clouds[1].index = 0;
+  EXPECT_THAT(std::string(client->AddSubmap(submap).message()), HasSubstr("clouds[1].index"));
+  submap.clouds[1] = {1, nullptr};
+  EXPECT_THAT(std::string(client->AddSubmap(submap).message()), HasSubstr("clouds[1].cloud"));
+  submap.clouds.pop_back();
+  EXPECT_TRUE(client->AddSubmap(submap).ok());
+  EXPECT_EQ(client->Stats().blobs_waiting, 1);
+  EXPECT_THAT(std::string(client->WaitUntilAcknowledged(absl::ZeroDuration()).message()),
+              HasSubstr("1 clouds"));
+}
+
+// 1.6 MB of clouds and as much of keyframes through an outbox of 2 MiB: the oldest clouds go, no
+// keyframe does.
+TEST(MappingClient, AFullOutboxDropsTheOldestCloudsAndTellsTheHost) {
+  FakeHost host;
+  MappingClientOptions options = OptionsFor("127.0.0.1:1");
+  options.outbox_capacity_bytes = 2 << 20;
+  const auto client = Connect(options, &host);
+  for (int64_t i = 0; i < 40; ++i) {
+    ASSERT_TRUE(client->AddSubmap(WithClouds(StraightSubmap(i, 150), 1, 10'000)).ok());
+  }
+  const MappingClientStats stats = client->Stats();
+  EXPECT_EQ(stats.submaps_waiting, 40);
+  EXPECT_GT(stats.clouds_dropped, 5);
+  EXPECT_EQ(stats.blobs_waiting + stats.clouds_dropped, 40);
+  EXPECT_LE(stats.bytes_waiting, 2 << 20);
+  EXPECT_TRUE(host.Await([&] {
+    return !host.clouds_dropped.empty() && host.clouds_dropped.back() == stats.clouds_dropped;
+  }));
+  absl::MutexLock lock(&host.mutex);
+  EXPECT_TRUE(std::is_sorted(host.clouds_dropped.begin(), host.clouds_dropped.end()));
+}
+
 TEST(MappingClient, ARefusedSubmapIsToldOnceWithThoseThatFollowAndCanBeHandedOverAnew) {
   absl::Notification three_added;
   ScriptedMappingServer server({[&](int call, Upload& upload) {
@@ -329,6 +385,22 @@ TEST(MappingClient, PrintsHowLongAddSubmapTakesWithTheServerAway) {
   std::sort(microseconds.begin(), microseconds.end());
   std::cout << "AddSubmap of 20 keyframes, server away: p50 " << microseconds[1000] << " us, p99 "
             << microseconds[1980] << " us, max " << microseconds.back() << " us\n";
+}
+
+TEST(MappingClient, PrintsHowLongACloudTakesTheCaller) {
+  SilentSocket half_open;
+  FakeHost host;
+  const auto client = Connect(OptionsFor(half_open.address()), &host);
+  std::vector<double> milliseconds;
+  for (int64_t i = 0; i < 100; ++i) {
+    const Submap submap = WithClouds(StraightSubmap(i), 1, 20'000);
+    const absl::Time start = absl::Now();
+    ASSERT_TRUE(client->AddSubmap(submap).ok());
+    milliseconds.push_back(absl::ToDoubleMilliseconds(absl::Now() - start));
+  }
+  std::sort(milliseconds.begin(), milliseconds.end());
+  std::cout << "AddSubmap with a cloud of 20,000 points: p50 " << milliseconds[50] << " ms, p99 "
+            << milliseconds[98] << " ms\n";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The robot's program loads gRPC, Protobuf and abseil, and nothing of what the server is made of.
+# The robot's program loads gRPC, Protobuf, abseil, OpenSSL and zstd, and nothing of what the server is made of.
 #   client_link_list_test.sh PROGRAM
 set -eu
 libraries=$(ldd "$1" | awk '{ print $1 }')

@@ -22,7 +22,7 @@ fail() {
 [ ! -e "$work/prefix/include/overtone/client/internal" ] || fail "internal headers installed"
 [ ! -e "$work/prefix/bin" ] || fail "programs installed with the client: $(ls "$work/prefix/bin")"
 if grep -rEi 'ceres|cholmod|suitesparse|spdlog|glog|yaml|nanoflann|spectra[^l]' "$work/prefix/lib"*/cmake "$work/prefix/lib/"*/cmake 2>/dev/null; then
-  fail "the package asks for more than gRPC, Protobuf, Eigen and abseil"
+  fail "the package asks for more than gRPC, Protobuf, OpenSSL, zstd, Eigen and abseil"
 fi
 if grep -rl "$source\|$build" "$work/prefix" --include='*.cmake' --include='*.h'; then
   fail "paths of the build in the package"

@@ -28,6 +28,8 @@ class FakeHost final : public HostEstimator {
   std::vector<std::pair<int64_t, absl::Status>> rejected ABSL_GUARDED_BY(mutex);
   std::vector<absl::Status> rejected_closures ABSL_GUARDED_BY(mutex);
 
+  std::vector<int64_t> clouds_dropped ABSL_GUARDED_BY(mutex);
+
   std::vector<OnboardPose> Trajectory() override {
     absl::MutexLock lock(&mutex);
     ThrowIfAsked();
@@ -56,6 +58,12 @@ class FakeHost final : public HostEstimator {
   void OnSubmapRejected(int64_t sequence, const absl::Status& reason) override {
     absl::MutexLock lock(&mutex);
     rejected.emplace_back(sequence, reason);
+    ThrowIfAsked();
+  }
+
+  void OnCloudsDropped(int64_t total) override {
+    absl::MutexLock lock(&mutex);
+    clouds_dropped.push_back(total);
     ThrowIfAsked();
   }
 

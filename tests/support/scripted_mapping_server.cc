@@ -38,17 +38,65 @@ void ScriptedMappingServer::Upload::Reject(int64_t sequence, grpc::StatusCode co
   stream_->Write(response);
 }
 
-int64_t ScriptedMappingServer::Upload::Read() {
+void ScriptedMappingServer::Upload::Want(const std::vector<std::string>& sha256) {
+  v1::UploadSubmapsResponse response;
+  response.mutable_want();
+  for (const std::string& digest : sha256) response.mutable_want()->add_sha256(digest);
+  stream_->Write(response);
+}
+
+void ScriptedMappingServer::Upload::BlobResult(const std::string& sha256, grpc::StatusCode code) {
+  v1::UploadSubmapsResponse response;
+  response.mutable_blob_result()->set_sha256(sha256);
+  response.mutable_blob_result()->set_code(code);
+  stream_->Write(response);
+}
+
+v1::UploadSubmapsRequest ScriptedMappingServer::Upload::ReadFrame() {
   v1::UploadSubmapsRequest request;
-  if (!stream_->Read(&request)) return -1;
-  absl::MutexLock lock(&server_->mutex_);
-  server_->received_.push_back(request.submap().sequence());
-  return request.submap().sequence();
+  if (!stream_->Read(&request)) request.Clear();
+  if (request.has_submap()) {
+    absl::MutexLock lock(&server_->mutex_);
+    server_->received_.push_back(request.submap().sequence());
+  }
+  return request;
+}
+
+int64_t ScriptedMappingServer::Upload::Read() {
+  const v1::UploadSubmapsRequest request = ReadFrame();
+  return request.has_submap() ? request.submap().sequence() : -1;
 }
 
 grpc::Status ScriptedMappingServer::Upload::AcknowledgeEverything() {
-  for (int64_t sequence = Read(); sequence >= 0; sequence = Read()) Ack(sequence);
-  return grpc::Status::OK;
+  while (true) {
+    const v1::UploadSubmapsRequest request = ReadFrame();
+    if (request.has_submap()) {
+      Ack(request.submap().sequence());
+      std::vector<std::string> wanted;
+      for (const v1::CloudReference& cloud : request.submap().clouds()) {
+        wanted.push_back(cloud.sha256());
+        lacking_[cloud.sha256()] = cloud;
+      }
+      if (!wanted.empty()) Want(wanted);
+    } else if (request.has_blob()) {
+      TakeChunk(request.blob());
+    } else {
+      return grpc::Status::OK;
+    }
+  }
+}
+
+void ScriptedMappingServer::Upload::TakeChunk(const v1::BlobChunk& chunk) {
+  if (chunk.offset() == 0) assembled_.clear();
+  assembled_ += chunk.data();
+  if (assembled_.size() < lacking_[chunk.sha256()].encoded_bytes()) return;
+  {
+    absl::MutexLock lock(&server_->mutex_);
+    server_->blobs_.push_back(assembled_);
+  }
+  lacking_.erase(chunk.sha256());
+  BlobResult(chunk.sha256(), grpc::StatusCode::OK);
+  if (lacking_.empty()) Want({});
 }
 
 void ScriptedMappingServer::Watch::Snapshot(const v1::Graph& graph) {
@@ -95,6 +143,11 @@ grpc::Status ScriptedMappingServer::Park() {
 std::vector<int64_t> ScriptedMappingServer::Received() const {
   absl::MutexLock lock(&mutex_);
   return received_;
+}
+
+std::vector<std::string> ScriptedMappingServer::Blobs() const {
+  absl::MutexLock lock(&mutex_);
+  return blobs_;
 }
 
 std::vector<v1::UploadHeader> ScriptedMappingServer::Headers() const {

@@ -5,6 +5,7 @@
 #define OVERTONE_TESTS_SUPPORT_SCRIPTED_MAPPING_SERVER_H_
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -29,14 +30,23 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
     void Ack(int64_t durable_through_sequence);
     void Reject(int64_t sequence, grpc::StatusCode code, const std::string& message,
                 int64_t expected_sequence = 0);
+    // Empty: nothing is lacking.
+    void Want(const std::vector<std::string>& sha256);
+    void BlobResult(const std::string& sha256, grpc::StatusCode code);
+    // Any frame; one without content when the client went away.
+    v1::UploadSubmapsRequest ReadFrame();
     // The sequence of the next submap, -1 when the client went away.
     int64_t Read();
-    // Reads and acknowledges until the client goes away.
+    // Reads and acknowledges until the client goes away; wants every cloud and takes it.
     grpc::Status AcknowledgeEverything();
 
    private:
+    void TakeChunk(const v1::BlobChunk& chunk);
+
     ScriptedMappingServer* server_;
     Stream* stream_;
+    std::map<std::string, v1::CloudReference> lacking_;  // by digest
+    std::string assembled_;
   };
 
   // One WatchGraph call.
@@ -70,6 +80,8 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
   // Sequences of all submaps read, over all calls.
   std::vector<int64_t> Received() const;
   std::vector<v1::UploadHeader> Headers() const;
+  // Blobs that AcknowledgeEverything took, in their order.
+  std::vector<std::string> Blobs() const;
   bool AwaitReceived(int count, absl::Duration timeout = absl::Seconds(20)) const;
   bool AwaitWatches(int count, absl::Duration timeout = absl::Seconds(20)) const;
   std::vector<v1::WatchGraphRequest> Watches() const;
@@ -86,6 +98,7 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
   mutable absl::Mutex mutex_;
   std::vector<v1::UploadHeader> headers_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> received_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::string> blobs_ ABSL_GUARDED_BY(mutex_);
   std::vector<v1::WatchGraphRequest> watches_ ABSL_GUARDED_BY(mutex_);
   int closure_calls_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

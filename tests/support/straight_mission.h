@@ -5,6 +5,9 @@
 #define OVERTONE_TESTS_SUPPORT_STRAIGHT_MISSION_H_
 
 #include <cmath>
+#include <memory>
+#include <random>
+#include <utility>
 #include <vector>
 
 #include "overtone/client/host_estimator.h"
@@ -28,6 +31,20 @@ inline Submap StraightSubmap(int64_t sequence, int keyframes_per_submap = 10) {
     keyframe.mission_from_body.translation.x() = static_cast<double>(index);
     keyframe.motion_covariance = 1e-4 * Matrix6d::Identity();
     submap.keyframes.push_back(keyframe);
+  }
+  return submap;
+}
+
+// A cloud for each of the submap's first keyframes, no two alike.
+inline Submap WithClouds(Submap submap, int num_clouds, int points_per_cloud = 50) {
+  for (int64_t index = submap.first_index; index < submap.first_index + num_clouds; ++index) {
+    std::mt19937 random(static_cast<unsigned>(index));
+    std::uniform_real_distribution<float> uniform(-20, 20);
+    auto cloud = std::make_shared<PointCloud>();
+    for (int i = 0; i < points_per_cloud; ++i) {
+      cloud->points.emplace_back(uniform(random), uniform(random), uniform(random));
+    }
+    submap.clouds.push_back({index, std::move(cloud)});
   }
   return submap;
 }

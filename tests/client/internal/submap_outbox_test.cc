@@ -15,6 +15,10 @@ WaitingSubmap SubmapOf(int64_t sequence, int size) {
   return {sequence, 10 * sequence, Bytes(size)};
 }
 
+WaitingBlob BlobOf(int64_t sequence, const std::string& sha256, int size) {
+  return {sequence, sha256, Bytes(size)};
+}
+
 TEST(InMemoryOutbox, KeepsSubmapsInOrderUntilTheyAreAcknowledged) {
   InMemoryOutbox outbox(/*capacity_bytes=*/1000);
   for (int64_t sequence = 3; sequence < 8; ++sequence)
@@ -86,6 +90,63 @@ TEST(InMemoryOutbox, WhoWaitsForItToBeEmptyWakesWithTheLastRemoval) {
   });
   EXPECT_TRUE(outbox.AwaitEmpty(absl::Seconds(20)));
   acknowledge.join();
+}
+
+TEST(InMemoryOutbox, KeepsBlobsUntilTheServerHasOrWillNeverHaveThem) {
+  InMemoryOutbox outbox(1000);
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 10), {BlobOf(0, "a", 100), BlobOf(0, "b", 50)}).ok());
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(1, 10), {BlobOf(1, "a", 100), BlobOf(1, "c", 20)}).ok());
+  outbox.RemoveSubmapsThrough(1);
+  EXPECT_EQ(outbox.Level().blobs, 4);
+  EXPECT_EQ(outbox.Level().bytes, 270);
+  EXPECT_EQ(outbox.FindBlob("b")->size(), 50);
+  EXPECT_EQ(outbox.FindBlob("z"), nullptr);
+  outbox.RemoveBlob("a");  // both keyframes have the same cloud
+  EXPECT_EQ(outbox.FindBlob("a"), nullptr);
+  EXPECT_EQ(outbox.Level().bytes, 70);
+  outbox.DropBlob("b");
+  outbox.DropBlob("z");
+  EXPECT_EQ(outbox.Level().clouds_dropped, 1);
+  EXPECT_FALSE(outbox.AwaitEmpty(absl::ZeroDuration()));
+  outbox.RemoveBlobsThrough(0);
+  EXPECT_EQ(outbox.Level().blobs, 1);
+  outbox.RemoveBlobsThrough(1);
+  EXPECT_EQ(outbox.Level().bytes, 0);
+  EXPECT_TRUE(outbox.AwaitEmpty(absl::ZeroDuration()));
+}
+
+TEST(InMemoryOutbox, AFullOneGivesUpTheOldestBlobsAndNeverASubmap) {
+  InMemoryOutbox outbox(100);
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 10), {BlobOf(0, "a", 30), BlobOf(0, "b", 30)}).ok());
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(1, 10), {BlobOf(1, "c", 30)}).ok());
+  EXPECT_EQ(outbox.FindBlob("a"), nullptr);
+  EXPECT_NE(outbox.FindBlob("b"), nullptr);
+  EXPECT_EQ(outbox.Level().bytes, 80);
+  EXPECT_EQ(outbox.Level().clouds_dropped, 1);
+  // More than all clouds together leave room for: every one of them goes, and the new one too.
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(2, 70), {BlobOf(2, "d", 20)}).ok());
+  EXPECT_EQ(outbox.Level().submaps, 3);
+  EXPECT_EQ(outbox.Level().bytes, 90);
+  EXPECT_EQ(outbox.Level().clouds_dropped, 4);
+  ASSERT_TRUE(outbox.PushLoopClosures(Bytes(5)).ok());
+  // What does not fit costs nothing else its place.
+  outbox.RemoveSubmapsThrough(1);
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(3, 5), {BlobOf(3, "e", 10)}).ok());
+  EXPECT_EQ(outbox.PushSubmap(SubmapOf(4, 50), {}).code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_NE(outbox.FindBlob("e"), nullptr);
+  ASSERT_TRUE(outbox.PushLoopClosures(Bytes(15)).ok());
+  EXPECT_EQ(outbox.FindBlob("e"), nullptr);
+}
+
+TEST(InMemoryOutbox, ARefusedSubmapTakesItsBlobsAlong) {
+  InMemoryOutbox outbox(1000);
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(0, 10), {BlobOf(0, "a", 30)}).ok());
+  ASSERT_TRUE(outbox.PushSubmap(SubmapOf(1, 10), {BlobOf(1, "b", 30)}).ok());
+  outbox.RemoveSubmapsFrom(1);
+  EXPECT_NE(outbox.FindBlob("a"), nullptr);
+  EXPECT_EQ(outbox.FindBlob("b"), nullptr);
+  EXPECT_EQ(outbox.Level().bytes, 40);
+  EXPECT_EQ(outbox.Level().clouds_dropped, 0);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/client/internal/channel.h"
@@ -25,7 +26,7 @@ constexpr absl::Duration kPatience = absl::Seconds(20);
 // An uploader with its outbox, and what it reports.
 class Robot {
  public:
-  Robot(const std::string& address, int num_submaps) : outbox_(1 << 20) {
+  Robot(const std::string& address, int num_submaps) : outbox_(64 << 20) {
     for (int64_t i = 0; i < num_submaps; ++i) Push(i);
     MappingClientOptions options;
     options.server = address;
@@ -41,15 +42,24 @@ class Robot {
           refused_.emplace_back(sequence, reason.code());
           outbox_.RemoveSubmapsFrom(sequence);
         },
-        [] {});
+        [this] {
+          absl::MutexLock lock(&mutex_);
+          ++drops_;
+        });
   }
 
-  void Push(int64_t sequence) {
+  void Push(int64_t sequence, std::vector<WaitingBlob> blobs = {}) {
     v1::Submap submap;
     submap.set_sequence(sequence);
     submap.set_first_index(200);
+    for (WaitingBlob& blob : blobs) {
+      blob.sequence = sequence;
+      v1::CloudReference& cloud = *submap.add_clouds();
+      cloud.set_sha256(blob.sha256);
+      cloud.set_encoded_bytes(static_cast<int64_t>(blob.bytes->size()));
+    }
     const auto bytes = std::make_shared<const std::string>(submap.SerializeAsString());
-    ASSERT_TRUE(outbox_.PushSubmap({sequence, 10 * sequence, bytes}, {}).ok());
+    ASSERT_TRUE(outbox_.PushSubmap({sequence, 10 * sequence, bytes}, std::move(blobs)).ok());
     if (uploader_ != nullptr) uploader_->Notify();
   }
 
@@ -58,6 +68,10 @@ class Robot {
     absl::MutexLock lock(&mutex_);
     return refused_;
   }
+  int drops() {
+    absl::MutexLock lock(&mutex_);
+    return drops_;
+  }
   void Stop() { uploader_.reset(); }
 
  private:
@@ -65,6 +79,7 @@ class Robot {
   TrafficCounters counters_;
   absl::Mutex mutex_;
   std::vector<std::pair<int64_t, absl::StatusCode>> refused_ ABSL_GUARDED_BY(mutex_);
+  int drops_ ABSL_GUARDED_BY(mutex_) = 0;
   std::unique_ptr<v1::MappingService::Stub> stub_;
   std::unique_ptr<SubmapUploader> uploader_;
 };
@@ -252,6 +267,106 @@ TEST(SubmapUploader, KeepsWhatWaitsWhenTheServerFellBehindWhatItAcknowledged) {
   ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
   EXPECT_GE(server.Headers().size(), 5);
   for (const int64_t sequence : server.Received()) EXPECT_GE(sequence, 3);
+}
+
+WaitingBlob Blob(const std::string& content, size_t size) {
+  return {0, content, std::make_shared<const std::string>(size, content[0])};
+}
+
+TEST(SubmapUploader, SendsWhatIsWantedAndLetsItGoWhenItIsTaken) {
+  ScriptedMappingServer server({[](int, Upload& upload) {
+    upload.Ready(0);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/0);
+  robot.Push(0, {Blob("a", 10), Blob("b", 1'200'000)});
+  robot.Push(1, {Blob("c", 30)});
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(server.Blobs(),
+              ElementsAre(std::string(10, 'a'), std::string(1'200'000, 'b'), std::string(30, 'c')));
+  EXPECT_EQ(robot.drops(), 0);
+}
+
+// A cloud of sixteen chunks is wanted, of which only a few find room in HTTP/2's windows. A submap
+// that was there before is sent before them, one that comes in between before those that are left.
+TEST(SubmapUploader, ASubmapGoesBeforeTheChunksThatWait) {
+  std::string frames;
+  Robot* robot_pointer = nullptr;
+  absl::Notification robot_is_there;
+  ScriptedMappingServer server({[&](int, Upload& upload) {
+    const auto read = [&] {
+      const v1::UploadSubmapsRequest frame = upload.ReadFrame();
+      frames += frame.has_submap() ? 'S' : 'c';
+      if (frame.has_submap()) upload.Ack(frame.submap().sequence());
+    };
+    robot_is_there.WaitForNotification();
+    upload.Ready(0, /*window_bytes=*/64 << 20);
+    read();
+    robot_pointer->Push(1);
+    upload.Want({"a"});
+    read();
+    read();
+    robot_pointer->Push(2);
+    for (int i = 0; i < 16; ++i) read();
+    upload.BlobResult("a", grpc::StatusCode::OK);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/0);
+  robot_pointer = &robot;
+  robot.Push(0, {Blob("a", 16 << 19)});
+  robot_is_there.Notify();
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  ASSERT_EQ(frames.size(), 19u);
+  EXPECT_EQ(frames.substr(0, 3), "SSc");
+  EXPECT_LT(frames.rfind('S'), 18u) << frames;
+}
+
+TEST(SubmapUploader, ABlobCutInTheMiddleIsSentAgainWhenTheNextReadyWantsIt) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    if (call == 0) {
+      upload.Ready(0);
+      upload.Ack(upload.Read());
+      upload.Want({"a", "b", "never heard of"});
+      upload.ReadFrame();
+      return grpc::Status(grpc::StatusCode::UNAVAILABLE, "cable cut");
+    }
+    upload.Ready(1);
+    upload.Want({"a"});  // b came through another robot
+    int64_t received = 0;
+    while (received < 1'000'000) {
+      const v1::UploadSubmapsRequest frame = upload.ReadFrame();
+      EXPECT_EQ(frame.blob().offset(), received);
+      received += static_cast<int64_t>(frame.blob().data().size());
+    }
+    upload.BlobResult("a", grpc::StatusCode::OK);
+    upload.Want({});
+    while (upload.Read() >= 0) {
+    }
+    return grpc::Status::OK;
+  }});
+  Robot robot(server.address(), /*num_submaps=*/0);
+  robot.Push(0, {Blob("a", 1'000'000), Blob("b", 10)});
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_EQ(robot.outbox().Level().clouds_dropped, 0);
+}
+
+TEST(SubmapUploader, ARefusedBlobIsReportedAndTheStreamGoesOn) {
+  ScriptedMappingServer server({[](int, Upload& upload) {
+    upload.Ready(0);
+    upload.Ack(upload.Read());
+    upload.Want({"a"});
+    upload.ReadFrame();
+    upload.BlobResult("a", grpc::StatusCode::INVALID_ARGUMENT);
+    return upload.AcknowledgeEverything();
+  }});
+  Robot robot(server.address(), /*num_submaps=*/0);
+  robot.Push(0, {Blob("a", 10)});
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  robot.Push(1, {Blob("b", 10)});
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_EQ(robot.outbox().Level().clouds_dropped, 1);
+  EXPECT_EQ(robot.drops(), 1);
+  EXPECT_EQ(server.Headers().size(), 1u);
 }
 
 TEST(SubmapUploader, StopsAtOnceWhateverTheServerDoes) {
