@@ -166,13 +166,16 @@ TEST_F(WatchGraphTest, MissionsWithoutATieStayUnanchoredUntilAClosureTiesThem) {
   graph = *FromProto(watcher.ReadGraph().snapshot());
   v1::AddLoopClosuresRequest request;
   request.set_map("mine");
-  *request.add_loop_closures() = ToProto(MakeClosure({kAnna, 2}, {kBert, 2}));
-  *request.add_loop_closures() = request.loop_closures(0);
+  // Three that agree, as a first tie needs; the last one twice.
+  for (const int i : {1, 2, 3}) {
+    *request.add_loop_closures() = ToProto(MakeClosure({kAnna, i}, {kBert, i}));
+  }
+  *request.add_loop_closures() = request.loop_closures(2);
   v1::AddLoopClosuresResponse response;
   grpc::ClientContext context;
   const grpc::Status status = mapping_->AddLoopClosures(&context, request, &response);
   ASSERT_TRUE(status.ok()) << status.error_message();
-  EXPECT_EQ(response.added(), 1);
+  EXPECT_EQ(response.added(), 3);
   const auto tied = ApplyDelta(graph, watcher.ReadGraph().delta());
   ASSERT_TRUE(tied.ok()) << tied.status();
   EXPECT_TRUE(tied->missions[1].anchored);
