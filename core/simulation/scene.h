@@ -29,7 +29,7 @@ struct Scene {
 
 // Names for MakeScene:
 //   tunnel         a hall of pillars, five rooms and the rough tunnels between them; 4 robots
-//   terrace        a building and a terrace of 180 m x 200 m before it; 3 robots
+//   terrace        a building and a terrace of 200 m x 200 m before it; 3 robots
 //   corridor       two different rooms and 160 m of bare corridor between them; 2 robots
 //   subterranean   tunnels, an urban grid and a cave around one hall; 4 robots, 2 km in all
 const std::vector<std::string>& SceneNames();
