@@ -11,11 +11,19 @@
 namespace overtone {
 namespace {
 
+// In voxels; see GicpOptions.tolerance_m.
+constexpr double kTolerance = 0.002;
+
+// Where surfaces leave a direction open, turned starts end elsewhere with the same overlap: the
+// guess is to be preferred.
+constexpr double kClearlyMore = 0.05;
+
 GicpOptions OptionsAt(double voxel_size_m, const CoarseToFineOptions& options) {
   GicpOptions gicp;
   gicp.max_correspondence_distance_m = options.reach * voxel_size_m;
   gicp.kernel_width_m = options.kernel_width * voxel_size_m;
   gicp.max_iterations = options.max_iterations;
+  gicp.tolerance_m = kTolerance * voxel_size_m;
   return gicp;
 }
 
@@ -47,7 +55,7 @@ GicpEstimate BestStart(const RegistrationCloud& source, const RegistrationCloud&
     const Rigid3d turn(ExpSO3(Eigen::Vector3d(0, 0, yaw)), Eigen::Vector3d::Zero());
     const GicpEstimate estimate = Gicp(source, target, guess * turn, gicp);
     const double overlap = Overlap(source, target, estimate.target_from_source, distance_m);
-    if (overlap <= most) continue;
+    if (overlap <= most + kClearlyMore) continue;
     most = overlap;
     best = estimate;
   }
@@ -91,7 +99,7 @@ absl::Status CoarseToFineOptions::Validate() const {
 
 CoarseToFineOptions IndoorLaserOptions() {
   CoarseToFineOptions options;
-  options.voxel_sizes_m = {0.4, 0.2, 0.1};
+  options.voxel_sizes_m = {0.8, 0.4, 0.2, 0.1};
   options.correlation_length_m = 0.5;
   return options;
 }

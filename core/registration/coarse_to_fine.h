@@ -18,14 +18,14 @@ namespace overtone {
 
 struct CoarseToFineOptions {
   // Coarse to fine, strictly decreasing. Outdoor LiDAR; IndoorLaserOptions() for rooms.
-  std::vector<double> voxel_sizes_m = {1.0, 0.5, 0.25};
+  std::vector<double> voxel_sizes_m = {2.0, 1.0, 0.5, 0.25};
   // Points have a say on counterparts within `reach` voxels; within kernel_width / 2 voxels it is
   // undiminished (gicp.h).
   double reach = 4;
   double kernel_width = 1;
   // Further starts at the coarsest resolution, the guess turned by these about the source's z; the
   // start that overlaps most there is refined.
-  std::vector<double> yaw_offsets_rad = {};
+  std::vector<double> yaw_offsets_rad = {0.5, -0.5};
   int max_iterations = 30;      // at each resolution
   double overlap_distance = 2;  // in finest voxels
   int num_neighbors = 10;

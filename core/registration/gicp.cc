@@ -18,10 +18,12 @@ struct NormalEquations {
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   int num_counterparts = 0;
+  double sum_of_weights = 0;
 
-  // Residual d, everything in the source's frame: J = [-I, p^] for a right perturbation.
+  // Of residual d, everything in the source's frame: J = [-I, p^] for a right perturbation.
   void Add(const Eigen::Vector3d& point, const Eigen::Vector3d& d,
-           const Eigen::Matrix3d& information) {
+           const Eigen::Matrix3d& pair_information, double weight) {
+    const Eigen::Matrix3d information = weight * pair_information;
     const Eigen::Matrix3d information_times_skew = information * Skew(point);
     hessian.topLeftCorner<3, 3>() += information;
     hessian.topRightCorner<3, 3>() -= information_times_skew;
@@ -29,6 +31,7 @@ struct NormalEquations {
     gradient.head<3>() -= information * d;
     gradient.tail<3>() += information_times_skew.transpose() * d;
     ++num_counterparts;
+    sum_of_weights += weight;
   }
 
   // Everything but x, y and yaw stays.
@@ -80,11 +83,12 @@ NormalEquations Linearise(const RegistrationCloud& source, const RegistrationClo
     const Eigen::Vector3d point = source.points()[i].cast<double>();
     const Eigen::Vector3d d =
         rotation * target.points()[j].cast<double>() + source_from_target.translation - point;
-    const Eigen::Matrix3d information = SurfaceInformation(
-        rotation * target.normals()[j].cast<double>(), source.normals()[i].cast<double>());
+    const Eigen::Matrix3d information =
+        SurfaceInformation(rotation * target.normals()[j].direction.cast<double>(),
+                           source.normals()[i].direction.cast<double>());
     const double normal_squared = d.dot(information * d);
     const double root_weight = squared_width / (squared_width + normal_squared);
-    equations.Add(point, d, root_weight * root_weight * information);
+    equations.Add(point, d, information, root_weight * root_weight);
   }
   return equations;
 }
@@ -101,8 +105,7 @@ absl::Status GicpOptions::Validate() const {
   RETURN_IF_ERROR(CheckPositive(max_correspondence_distance_m, "max_correspondence_distance_m"));
   RETURN_IF_ERROR(CheckPositive(kernel_width_m, "kernel_width_m"));
   RETURN_IF_ERROR(CheckPositive(max_iterations, "max_iterations"));
-  RETURN_IF_ERROR(CheckPositive(translation_tolerance_m, "translation_tolerance_m"));
-  return CheckPositive(rotation_tolerance_rad, "rotation_tolerance_rad");
+  return CheckPositive(tolerance_m, "tolerance_m");
 }
 
 GicpEstimate Gicp(const RegistrationCloud& source, const RegistrationCloud& target,
@@ -123,8 +126,8 @@ GicpEstimate Gicp(const RegistrationCloud& source, const RegistrationCloud& targ
     const Vector6d step = equations.Step();
     estimate.target_from_source = estimate.target_from_source * Exp(step);
     ++estimate.iterations;
-    estimate.converged = step.head<3>().norm() < options.translation_tolerance_m &&
-                         step.tail<3>().norm() < options.rotation_tolerance_rad;
+    const double squared_motion = -equations.gradient.dot(step) / equations.sum_of_weights;
+    estimate.converged = squared_motion < options.tolerance_m * options.tolerance_m;
   }
   return estimate;
 }

@@ -23,9 +23,9 @@ struct GicpOptions {
   // A counterpart this far off along the normals has a quarter of its say.
   double kernel_width_m = 0.3;
   int max_iterations = 30;
-  // Converged: a step is smaller than both.
-  double translation_tolerance_m = 5e-4;
-  double rotation_tolerance_rad = 5e-5;
+  // Converged: a step moves the points by less than this along the normals (rms). Sliding along
+  // an axis that nothing holds does not count.
+  double tolerance_m = 5e-4;
 
   absl::Status Validate() const;  // InvalidArgument naming the member
 };

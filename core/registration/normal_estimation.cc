@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/registration/normal_estimation.h"
 
+#include <algorithm>
+
 #include "Eigen/Eigenvalues"
 
 namespace overtone {
@@ -19,30 +21,40 @@ Eigen::Matrix3d Scatter(const std::vector<Eigen::Vector3f>& points, absl::Span<c
   return squares - sum * sum.transpose() / static_cast<double>(indices.size());
 }
 
-Eigen::Vector3f ThinDirection(const Eigen::Matrix3d& scatter, SurfaceKind kind) {
-  if (kind == SurfaceKind::kOutline) {
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
-    solver.computeDirect(scatter.topLeftCorner<2, 2>());
-    const Eigen::Vector2f normal = solver.eigenvectors().col(0).cast<float>();
-    return Eigen::Vector3f(normal.x(), normal.y(), 0).normalized();
-  }
+// How far two spreads are from being one, [0, 1].
+double Distinctness(double least, double next) {
+  return next > 0 ? std::clamp(1 - least / next, 0.0, 1.0) : 0;
+}
+
+SurfaceNormal OutlineNormal(const Eigen::Matrix3d& scatter) {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver;
+  solver.computeDirect(scatter.topLeftCorner<2, 2>());
+  const Eigen::Vector2d spread = solver.eigenvalues(), direction = solver.eigenvectors().col(0);
+  return {Eigen::Vector3d(direction.x(), direction.y(), 0).normalized().cast<float>(),
+          static_cast<float>(Distinctness(spread(0), spread(1)))};
+}
+
+SurfaceNormal PlaneNormal(const Eigen::Matrix3d& scatter) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(scatter);
-  return solver.eigenvectors().col(0).cast<float>().normalized();
+  const Eigen::Vector3d spread = solver.eigenvalues();
+  return {solver.eigenvectors().col(0).normalized().cast<float>(),
+          static_cast<float>(Distinctness(spread(0), spread(1)))};
 }
 
 }  // namespace
 
-std::vector<Eigen::Vector3f> EstimateNormals(const std::vector<Eigen::Vector3f>& points,
-                                             const KdTree& tree, int num_neighbors,
-                                             SurfaceKind kind) {
-  std::vector<Eigen::Vector3f> normals;
+std::vector<SurfaceNormal> EstimateNormals(const std::vector<Eigen::Vector3f>& points,
+                                           const KdTree& tree, int num_neighbors,
+                                           SurfaceKind kind) {
+  std::vector<SurfaceNormal> normals;
   normals.reserve(points.size());
   std::vector<int> neighbors(num_neighbors);
   for (const Eigen::Vector3f& point : points) {
     const int found = tree.Nearest(point, absl::MakeSpan(neighbors));
     const Eigen::Matrix3d scatter = Scatter(points, absl::MakeConstSpan(neighbors.data(), found));
-    normals.push_back(ThinDirection(scatter, kind));
+    normals.push_back(kind == SurfaceKind::kOutline ? OutlineNormal(scatter)
+                                                    : PlaneNormal(scatter));
   }
   return normals;
 }

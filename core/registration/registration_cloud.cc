@@ -7,7 +7,6 @@
 
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
-#include "overtone/core/registration/normal_estimation.h"
 #include "overtone/core/registration/voxel_grid.h"
 
 namespace overtone {
@@ -65,6 +64,7 @@ RegistrationCloud::RegistrationCloud(std::vector<Eigen::Vector3f> points, bool p
       tree_(points_),
       normals_(EstimateNormals(points_, tree_, options.num_neighbors,
                                planar ? SurfaceKind::kOutline : SurfaceKind::kSurface)),
-      independence_(VoxelShares(points_, static_cast<float>(options.correlation_length_m))) {}
+      independence_(VoxelShares(points_, static_cast<float>(options.correlation_length_m),
+                                options.num_neighbors)) {}
 
 }  // namespace overtone

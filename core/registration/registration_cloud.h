@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "overtone/core/graph/point_cloud.h"
 #include "overtone/core/registration/kd_tree.h"
+#include "overtone/core/registration/normal_estimation.h"
 
 namespace overtone {
 
@@ -20,8 +21,8 @@ struct RegistrationCloudOptions {
   // A cloud whose z spans no more is that of a planar laser: its points are brought to z = 0 and
   // its normals are level.
   double planar_thickness_m = 0.02;
-  // Points in one cube of this size err together (the same surface, the same neighbours, the same
-  // calibration) and count as one measurement in the covariance of a registration.
+  // Points in one cube of this size err together (same surface, same neighbours, same calibration)
+  // and count as one measurement in the covariance of a registration.
   double correlation_length_m = 1.0;
 
   absl::Status Validate() const;  // InvalidArgument naming the member
@@ -39,8 +40,9 @@ class RegistrationCloud {
   bool planar() const { return planar_; }
   double voxel_size_m() const { return voxel_size_m_; }
   const std::vector<Eigen::Vector3f>& points() const { return points_; }
-  const std::vector<Eigen::Vector3f>& normals() const { return normals_; }
-  // For each point the part of an independent measurement it stands for, (0, 1].
+  const std::vector<SurfaceNormal>& normals() const { return normals_; }
+  // For each point the part of an independent measurement it stands for: its share of the points
+  // within correlation_length_m, no more than one in num_neighbors, of which its normal is made.
   const std::vector<float>& independence() const { return independence_; }
   const KdTree& tree() const { return tree_; }
 
@@ -52,7 +54,7 @@ class RegistrationCloud {
   const bool planar_;
   const std::vector<Eigen::Vector3f> points_;
   const KdTree tree_;
-  const std::vector<Eigen::Vector3f> normals_;
+  const std::vector<SurfaceNormal> normals_;
   const std::vector<float> independence_;
 };
 

@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/registration/registration_covariance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "Eigen/Eigenvalues"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
-#include "overtone/core/registration/surface_information.h"
 
 namespace overtone {
 namespace {
+
+// Keeps the rotation about a line of points finite.
+constexpr double kLeastLever_m = 0.01;
 
 // A pair in the source's frame.
 struct SurfacePair {
@@ -18,7 +21,7 @@ struct SurfacePair {
   Eigen::Vector3d source_normal;
   Eigen::Vector3d target_normal;  // in the source's half space
   double residual_m;              // along their mean
-  double measurements;            // that it stands for: independence times agreement of the normals
+  double measurements;            // that it stands for, [0, 1]
 };
 
 std::vector<SurfacePair> SurfacePairs(const RegistrationCloud& source,
@@ -34,44 +37,52 @@ std::vector<SurfacePair> SurfacePairs(const RegistrationCloud& source,
     const Eigen::Vector3d point = source.points()[i].cast<double>();
     const Eigen::Vector3d d = source_from_target * target.points()[j].cast<double>() - point;
     if (d.norm() > max_distance_m) continue;
-    const Eigen::Vector3d n = source.normals()[i].cast<double>();
-    Eigen::Vector3d m = source_from_target.rotation * target.normals()[j].cast<double>();
+    const Eigen::Vector3d n = source.normals()[i].direction.cast<double>();
+    Eigen::Vector3d m = source_from_target.rotation * target.normals()[j].direction.cast<double>();
     if (n.dot(m) < 0) m = -m;
     const Eigen::Vector3d mean = (n + m).normalized();
-    const double agreement = mean.dot(SurfaceInformation(n, m) * mean);
-    pairs.push_back({point, n, m, mean.dot(d), agreement * source.independence()[i]});
+    // cos(2 angle): pairs whose normals are 45 degrees apart are not of one surface. Any sharper
+    // and the choice of pairs would undo the cancelling of the normals' errors.
+    const double agreement = std::max(0.0, 2 * n.dot(m) * n.dot(m) - 1);
+    const double certainty = source.normals()[i].certainty * target.normals()[j].certainty;
+    pairs.push_back({point, n, m, mean.dot(d), agreement * certainty * source.independence()[i]});
   }
   return pairs;
 }
 
-// Where the measurements are, and how far from there on average (rms).
+// Where the measurements are and how rotations about their centre move them: by |lever * phi|
+// (rms).
 struct Extent {
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius_m = 0;
   double measurements = 0;
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d lever = Eigen::Matrix3d::Zero();  // metres; symmetric positive definite
 };
 
 Extent ExtentOf(const std::vector<SurfacePair>& pairs) {
   Extent extent;
-  double squares = 0;
   for (const SurfacePair& pair : pairs) {
-    extent.centre += pair.measurements * pair.point;
-    squares += pair.measurements * pair.point.squaredNorm();
     extent.measurements += pair.measurements;
+    extent.centre += pair.measurements * pair.point;
   }
   extent.centre /= extent.measurements;
-  extent.radius_m = std::sqrt(squares / extent.measurements - extent.centre.squaredNorm());
+  Eigen::Matrix3d squared_lever = kLeastLever_m * kLeastLever_m * Eigen::Matrix3d::Identity();
+  for (const SurfacePair& pair : pairs) {
+    const Eigen::Matrix3d arm = Skew(pair.point - extent.centre);
+    squared_lever += pair.measurements / extent.measurements * arm.transpose() * arm;
+  }
+  extent.lever = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squared_lever).operatorSqrt();
   return extent;
 }
 
-// In the tangent [rho; radius * phi] at the centre: every entry is a number of measurements.
+// In the tangent [rho; lever * phi] at the centre: every entry is a number of measurements.
 Matrix6d Information(const std::vector<SurfacePair>& pairs, const Extent& extent) {
+  const Eigen::Matrix3d inverse_lever = extent.lever.inverse();
   Matrix6d information = Matrix6d::Zero();
   for (const SurfacePair& pair : pairs) {
-    const Eigen::Vector3d arm = (pair.point - extent.centre) / extent.radius_m;
+    const Eigen::Vector3d arm = pair.point - extent.centre;
     Vector6d along_n, along_m;
-    along_n << pair.source_normal, arm.cross(pair.source_normal);
-    along_m << pair.target_normal, arm.cross(pair.target_normal);
+    along_n << pair.source_normal, inverse_lever * arm.cross(pair.source_normal);
+    along_m << pair.target_normal, inverse_lever * arm.cross(pair.target_normal);
     information +=
         pair.measurements / 2 * (along_n * along_m.transpose() + along_m * along_n.transpose());
   }
@@ -109,8 +120,9 @@ Inverse Invert(const Eigen::MatrixXd& information, double variance, double least
 // From the tangent at the centre to that of the body frame: rho = rho_c + c x phi.
 Matrix6d BodyFromCentre(const Extent& extent) {
   Matrix6d body_from_centre = Matrix6d::Identity();
-  body_from_centre.topRightCorner<3, 3>() = Skew(extent.centre) / extent.radius_m;
-  body_from_centre.bottomRightCorner<3, 3>() /= extent.radius_m;
+  const Eigen::Matrix3d inverse_lever = extent.lever.inverse();
+  body_from_centre.topRightCorner<3, 3>() = Skew(extent.centre) * inverse_lever;
+  body_from_centre.bottomRightCorner<3, 3>() = inverse_lever;
   return body_from_centre;
 }
 
@@ -152,8 +164,8 @@ RegistrationCovariance EstimateCovariance(const RegistrationCloud& source,
   result.covariance.diagonal() = Squares(options.open_m, M_PI);
   const std::vector<SurfacePair> pairs =
       SurfacePairs(source, target, target_from_source, target_of_source, max_distance_m);
-  const Extent extent = ExtentOf(pairs);
-  if (extent.radius_m > 0) {  // else no two pairs
+  if (!pairs.empty()) {
+    const Extent extent = ExtentOf(pairs);
     result.residual_m = ResidualRms(pairs);
     const Inverse inverse =
         Invert(Information(pairs, extent)(free, free), result.residual_m * result.residual_m,

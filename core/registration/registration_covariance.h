@@ -19,10 +19,10 @@ namespace overtone {
 
 struct CovarianceOptions {
   // A direction is open when less than this share of the measurements speaks for it.
-  double min_share = 0.01;
+  double min_share = 0.02;
   // What no number of points averages out: calibration, distortion of the scan.
-  double systematic_m = 0.005;
-  double systematic_rad = 0.001;
+  double systematic_m = 0.01;
+  double systematic_rad = 0.002;
   // Standard deviation along an open direction; of a rotation, at the points' distance.
   double open_m = 100;
   // Of what planar clouds hold: z, roll and pitch.

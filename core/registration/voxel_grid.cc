@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/registration/voxel_grid.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "absl/container/flat_hash_map.h"
@@ -64,7 +65,8 @@ std::vector<Eigen::Vector3f> VoxelCentroids(const std::vector<Eigen::Vector3f>& 
   return centroids;
 }
 
-std::vector<float> VoxelShares(const std::vector<Eigen::Vector3f>& points, float voxel_size_m) {
+std::vector<float> VoxelShares(const std::vector<Eigen::Vector3f>& points, float voxel_size_m,
+                               int least) {
   const VoxelNumbering numbering = NumberVoxels(points, voxel_size_m);
   std::vector<int> counts(numbering.num_voxels, 0);
   for (const int voxel : numbering.voxel_of_point) {
@@ -73,7 +75,7 @@ std::vector<float> VoxelShares(const std::vector<Eigen::Vector3f>& points, float
   std::vector<float> shares;
   shares.reserve(points.size());
   for (const int voxel : numbering.voxel_of_point) {
-    shares.push_back(voxel < 0 ? 0 : 1.0f / counts[voxel]);
+    shares.push_back(voxel < 0 ? 0 : 1.0f / std::max(least, counts[voxel]));
   }
   return shares;
 }

@@ -20,9 +20,10 @@ std::optional<uint64_t> VoxelKey(const Eigen::Vector3f& point, float voxel_size_
 std::vector<Eigen::Vector3f> VoxelCentroids(const std::vector<Eigen::Vector3f>& points,
                                             float voxel_size_m);
 
-// For each point 1 / (number of points in its cube); 0 for one without a key. The sum is the number
-// of occupied cubes. O(n).
-std::vector<float> VoxelShares(const std::vector<Eigen::Vector3f>& points, float voxel_size_m);
+// For each point its share of its cube: 1 / (number of points in it, counted as `least` where there
+// are fewer); 0 for one without a key. O(n).
+std::vector<float> VoxelShares(const std::vector<Eigen::Vector3f>& points, float voxel_size_m,
+                               int least);
 
 }  // namespace overtone
 
