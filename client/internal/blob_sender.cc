@@ -15,6 +15,7 @@ constexpr size_t kMaxWanted = 4 * limits::kMaxWantsPerFrame;
 }  // namespace
 
 absl::Status BlobSender::OnWant(const v1::UploadWant& want, int64_t acknowledged_through) {
+  acknowledged_through_ = acknowledged_through;
   if (want.sha256().empty()) {
     nothing_lacks_through_ = acknowledged_through;
     outbox_->RemoveBlobsThrough(nothing_lacks_through_);
@@ -46,11 +47,13 @@ absl::Status BlobSender::OnResult(const v1::UploadBlobResult& result) {
 }
 
 std::optional<v1::UploadSubmapsRequest> BlobSender::Next(int64_t window_bytes) {
-  // A host that started over hands over again what the server already has.
+  // What has been handed over since then of the same submaps.
   outbox_->RemoveBlobsThrough(nothing_lacks_through_);
   if (sending_.has_value()) return NextChunk();
   if (wanted_.empty()) return std::nullopt;
   SharedBytes bytes = outbox_->FindBlob(wanted_.front());
+  // A host that started over hands over again all that the server has, from the first submap on.
+  if (bytes == nullptr && outbox_->LastSequence() < acknowledged_through_) return std::nullopt;
   const int64_t size = bytes == nullptr ? 0 : static_cast<int64_t>(bytes->size());
   const bool fits = in_flight_bytes_ + size <= window_bytes / 4;
   if (!fits && in_flight_bytes_ > 0) return std::nullopt;  // the next result makes room

@@ -28,7 +28,8 @@ class BlobSender {
   absl::Status OnResult(const v1::UploadBlobResult& result);
 
   // The next chunk that may go out; none: nothing is wanted, or a quarter of the window is
-  // unanswered. So little of it, because poses queue up behind what is under way.
+  // unanswered (so little of it, because poses queue up behind what is under way), or the host
+  // started over and may yet hand over what is wanted.
   std::optional<v1::UploadSubmapsRequest> Next(int64_t window_bytes);
 
   int64_t bytes_in_flight() const { return in_flight_bytes_; }
@@ -49,6 +50,7 @@ class BlobSender {
   // Begun and not answered: bytes by digest; 0: gone.
   absl::flat_hash_map<std::string, int64_t> in_flight_;
   int64_t in_flight_bytes_ = 0;
+  int64_t acknowledged_through_ = -1;   // sequence, with the last Want
   int64_t nothing_lacks_through_ = -1;  // sequence
 };
 

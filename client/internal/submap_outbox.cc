@@ -43,9 +43,15 @@ void InMemoryOutbox::PushBlob(WaitingBlob blob) {
 absl::Status InMemoryOutbox::PushSubmap(WaitingSubmap submap, std::vector<WaitingBlob> blobs) {
   absl::MutexLock lock(&mutex_);
   RETURN_IF_ERROR(Reserve(Size(submap.bytes)));
+  last_sequence_ = std::max(last_sequence_, submap.sequence);
   submaps_.push_back(std::move(submap));
   for (WaitingBlob& blob : blobs) PushBlob(std::move(blob));
   return absl::OkStatus();
+}
+
+int64_t InMemoryOutbox::LastSequence() const {
+  absl::MutexLock lock(&mutex_);
+  return last_sequence_;
 }
 
 std::optional<WaitingSubmap> InMemoryOutbox::FirstSubmapFrom(int64_t sequence) const {

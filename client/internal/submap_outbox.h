@@ -45,6 +45,9 @@ class SubmapOutbox {
   // nothing is kept. Ok: the submap is; of its blobs those for which there is room.
   virtual absl::Status PushSubmap(WaitingSubmap submap, std::vector<WaitingBlob> blobs) = 0;
 
+  // The highest sequence ever pushed; -1: none.
+  virtual int64_t LastSequence() const = 0;
+
   // The first waiting submap with at least this sequence.
   virtual std::optional<WaitingSubmap> FirstSubmapFrom(int64_t sequence) const = 0;
 
@@ -81,6 +84,7 @@ class InMemoryOutbox final : public SubmapOutbox {
   explicit InMemoryOutbox(int64_t capacity_bytes) : capacity_bytes_(capacity_bytes) {}
 
   absl::Status PushSubmap(WaitingSubmap submap, std::vector<WaitingBlob> blobs) override;
+  int64_t LastSequence() const override;
   std::optional<WaitingSubmap> FirstSubmapFrom(int64_t sequence) const override;
   void RemoveSubmapsThrough(int64_t sequence) override;
   std::vector<WaitingSubmap> RemoveSubmapsFrom(int64_t sequence) override;
@@ -107,6 +111,7 @@ class InMemoryOutbox final : public SubmapOutbox {
   mutable absl::Mutex mutex_;
   std::deque<WaitingSubmap> submaps_ ABSL_GUARDED_BY(mutex_);  // consecutive sequences
   std::deque<SharedBytes> loop_closures_ ABSL_GUARDED_BY(mutex_);
+  int64_t last_sequence_ ABSL_GUARDED_BY(mutex_) = -1;
   BlobQueue blobs_ ABSL_GUARDED_BY(mutex_);
   int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // without blobs
   int64_t clouds_dropped_ ABSL_GUARDED_BY(mutex_) = 0;

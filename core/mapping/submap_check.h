@@ -13,8 +13,8 @@ namespace overtone {
 // positive definite (the first of a mission is not read); a closure that fails CheckLoopClosure; a
 // closure or candidate without an end in `mission`; a score outside [0, 1]; a degenerate direction
 // that is not of unit length or without `degenerate`; a cloud, sighting or absolute pose of a
-// keyframe that is not in the submap; two clouds of one keyframe; a landmark or robot that is no id;
-// a robot that sees itself.
+// keyframe that is not in the submap; two clouds of one keyframe; a landmark or robot that is no
+// id; a robot that sees itself.
 absl::Status CheckSubmap(const MissionId& mission, const Submap& submap);
 
 // InvalidArgument naming the field: both ends the same keyframe, an index below 0, an invalid

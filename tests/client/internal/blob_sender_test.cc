@@ -92,7 +92,7 @@ TEST_F(BlobSenderTest, AQuarterOfTheWindowIsUnansweredAtMostUnlessOneBlobAloneIs
 
 TEST_F(BlobSenderTest, WhatIsNotThereAnyMoreIsGone) {
   Push(0, "a", 10);
-  ASSERT_TRUE(Want({"dropped", "a"}).ok());
+  ASSERT_TRUE(Want({"dropped", "a"}, /*acknowledged_through=*/0).ok());
   EXPECT_EQ(Next(), "dropped gone");
   EXPECT_EQ(Next(), "a 0 10");
   EXPECT_TRUE(Answer("dropped", absl::StatusCode::kNotFound).ok());
@@ -134,6 +134,18 @@ TEST_F(BlobSenderTest, AnEmptyWantFreesTheBlobsOfAcknowledgedSubmapsOnly) {
   EXPECT_EQ(outbox_.FindBlob("b"), nullptr);
   EXPECT_NE(outbox_.FindBlob("c"), nullptr);
   EXPECT_EQ(outbox_.Level().clouds_dropped, 0);
+}
+
+// The server holds submaps 0 and 1 of the mission's first run, and lacks both their clouds.
+TEST_F(BlobSenderTest, AHostThatStartedOverIsWaitedForBeforeAnythingIsGone) {
+  ASSERT_TRUE(Want({"a", "lost", "b"}, /*acknowledged_through=*/1).ok());
+  EXPECT_EQ(Next(), "-");
+  Push(0, "a", 10);
+  EXPECT_EQ(Next(), "a 0 10");
+  EXPECT_EQ(Next(), "-");
+  Push(1, "b", 10);
+  EXPECT_EQ(Next(), "lost gone");
+  EXPECT_EQ(Next(), "b 0 10");
 }
 
 // A host that started over, after the server has said that it lacks nothing.
