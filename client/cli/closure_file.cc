@@ -91,6 +91,12 @@ std::string Text(const std::optional<double>& value) {
   return value.has_value() ? absl::StrFormat("%.6g", *value) : "";
 }
 
+std::string RegistrationColumns(const std::optional<RegistrationFigures>& figures) {
+  if (!figures.has_value()) return ",,,";
+  return absl::StrFormat(",%.4g,%.4g,%d", figures->overlap, figures->residual_m,
+                         figures->open_directions);
+}
+
 std::string TruthColumns(const std::optional<ClosureTruth>& truth) {
   if (!truth.has_value()) return ",,,,";
   return absl::StrCat(",", Text(truth->distance_m), ",", Text(truth->error_m), ",",
@@ -134,7 +140,7 @@ absl::Status WriteClosures(const std::string& path, const RunResult& result) {
   file
       << kHeader
       << ",from_index,to_index,verdict,weight,chi_square,simulated,outlier,proposer,measured,score,"
-         "true_distance_m,error_m,error_rad,right\n";
+         "overlap,residual_m,open_directions,true_distance_m,error_m,error_rad,right\n";
   for (const ClosureResult& row : result.closures) {
     const LoopClosure& closure = row.closure;
     const auto stamp = [&robots](const NodeId& node) {
@@ -152,7 +158,7 @@ absl::Status WriteClosures(const std::string& path, const RunResult& result) {
                             row.verdict, row.weight, row.chi_square, row.simulated ? "yes" : "no",
                             row.outlier ? "yes" : "no")
          << absl::StrFormat(",%s,%s,%.4g", row.proposer, row.measured ? "yes" : "no", row.score)
-         << TruthColumns(row.truth) << "\n";
+         << RegistrationColumns(row.registration) << TruthColumns(row.truth) << "\n";
   }
   file.close();
   if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));

@@ -67,6 +67,7 @@ std::optional<ClosureTruth> JudgeClosure(const LoopClosure& closure, bool measur
   }
   truth.right = *truth.error_m <= tolerance.translation_m &&
                 truth.error_rad.value_or(0) <= tolerance.rotation_rad;
+  truth.same_place |= truth.right;
   return truth;
 }
 

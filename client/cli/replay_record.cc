@@ -189,6 +189,12 @@ absl::Status ReplayRecord::FetchClosures(AdminClient* admin, const std::string& 
     if (by_robot && origin == ours.end()) continue;
     row.proposer = ProposerName(by_robot ? v1::LOOP_CLOSURE_PROPOSER_ROBOT : status.proposer());
     row.score = status.score();
+    if (status.has_registration()) {
+      const v1::RegistrationFigures& figures = status.registration();
+      row.registration = RegistrationFigures{
+          figures.converged(),  figures.overlap(),          figures.overlap_threshold(),
+          figures.residual_m(), figures.residual_limit_m(), figures.open_directions()};
+    }
     row.verdict = VerdictName(status.verdict());
     row.weight = status.weight();
     row.chi_square = status.chi_square();

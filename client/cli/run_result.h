@@ -16,6 +16,7 @@
 #include "overtone/core/geometry/se3.h"
 #include "overtone/core/geometry/trajectory_error.h"
 #include "overtone/core/graph/submap.h"
+#include "overtone/core/place_recognition/loop_candidate.h"
 #include "overtone/core/synchronization/constraint.h"
 
 namespace overtone {
@@ -79,7 +80,7 @@ struct RobotResult {
 // A closure against the ground truth; what counts as right and as one place is the run's setting.
 struct ClosureTruth {
   double distance_m = 0;            // between the two ends, truly
-  bool same_place = false;          // by that distance
+  bool same_place = false;          // by that distance, or because it was measured right
   std::optional<double> error_m;    // of the measured relative pose; absent: none was measured
   std::optional<double> error_rad;  // absent also where the ground truth has no rotations
   bool right = false;               // measured, and close enough to the truth
@@ -90,6 +91,8 @@ struct ClosureResult {
   std::string proposer = "robot";  // "robot", "robot_score", "scan_context"
   bool measured = true;            // false: closure.from_tform_to is a guess
   double score = 0;                // similarity of the two places, [0, 1]; 0: none was computed
+  // Of the registration of their clouds; absent when there was none.
+  std::optional<RegistrationFigures> registration;
   std::string verdict;  // "accepted", "demoted_by_optimiser", "pending", "rejected_overlap", ...
   double weight = 0;    // [0, 1]
   double chi_square = 0;

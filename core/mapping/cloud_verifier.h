@@ -15,15 +15,25 @@
 
 namespace overtone {
 
+// What the registration of two clouds must give.
+struct CloudRequirements {
+  double min_overlap = 0.6;  // share of the points that have a counterpart
+  double max_residual_m = 0.15;
+};
+
 struct CloudVerifierOptions {
   CoarseToFineOptions registration;
-  // Share of the points that must have a counterpart, and how far these may lie apart.
-  double min_overlap = 0.6;
-  double max_residual_m = 0.15;
+  CloudRequirements required;
+  // Planar lasers: rooms and corridors, few points, and many places of nearly the same outline.
+  CoarseToFineOptions planar_registration = PlanarRegistration();
+  CloudRequirements planar_required = {0.75, 0.06};
   // Further apart, two keyframes do not see the same: the registration has slipped.
   double max_translation_m = 15;
 
   absl::Status Validate() const;
+  // IndoorLaserOptions, from the guess and turned around: half a scan often looks the same both
+  // ways.
+  static CoarseToFineOptions PlanarRegistration();
 };
 
 // Thread-safe; keeps the pyramids of the views it saw last.
@@ -33,12 +43,13 @@ class CloudVerifier final : public LoopVerifier {
   CloudVerifier(const CloudVerifierOptions& options, size_t max_pyramids)
       : options_(options), pyramids_(max_pyramids) {}
 
-  // InvalidArgument: a cloud has too few points.
+  // InvalidArgument: a cloud has too few points, or one is planar and the other is not.
   absl::Status Verify(const PlaceView& from, const PlaceView& to,
                       LoopCandidate& candidate) const override;
 
  private:
   absl::StatusOr<std::shared_ptr<const RegistrationPyramid>> Pyramid(const PlaceView& view) const;
+  const CoarseToFineOptions& OptionsFor(bool planar) const;
 
   const CloudVerifierOptions options_;
   mutable absl::Mutex mutex_;

@@ -97,6 +97,9 @@ std::string Reason(const ClosureRecord& record) {
       return absl::StrCat("the clouds leave ", figures.open_directions,
                           " of six directions open, too many");
     case ClosureVerdict::kRejectedInconsistent:
+      if (candidate.from.mission == candidate.to.mission) {
+        return "further from its mission's odometry than that can have drifted in between";
+      }
       return absl::StrCat("disagrees with the ", record.consistent_set,
                           " closures that agree between its two missions");
     case ClosureVerdict::kVetoedByOperator:

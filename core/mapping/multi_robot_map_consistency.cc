@@ -5,10 +5,23 @@
 #include <utility>
 #include <vector>
 
+#include "Eigen/Cholesky"
 #include "overtone/core/mapping/multi_robot_map_state.h"
 
 namespace overtone {
 namespace {
+
+// Chi square, 6 degrees of freedom, of the loop that a closure makes with its mission's odometry.
+double LoopChiSquare(const LoopCandidate& closure, const UncertainTrajectory& odometry) {
+  const int from = static_cast<int>(closure.from.index), to = static_cast<int>(closure.to.index);
+  const Rigid3d loop = closure.from_tform_to.Inverse() * odometry.Relative(from, to);
+  // z Exp(d) on the left of the loop is Ad(loop^-1) d on its right.
+  const Matrix6d adjoint = Adjoint(loop.Inverse());
+  const Matrix6d covariance =
+      odometry.Covariance(from, to) + adjoint * closure.covariance * adjoint.transpose();
+  const Vector6d error = Log(loop);
+  return error.dot(covariance.ldlt().solve(error));
+}
 
 InterMissionClosure From(const LoopCandidate& candidate, bool reversed) {
   InterMissionClosure closure;
@@ -34,10 +47,26 @@ bool MultiRobotMap::State::TakesPartInConsistency(int closure) const {
   return InPlay(closure) || record.verdict == ClosureVerdict::kRejectedInconsistent;
 }
 
+// Within a mission a closure must be within what its odometry can have drifted in between.
+void MultiRobotMap::State::JudgeAgainstOdometry() {
+  for (int k = 0; k < static_cast<int>(closures.size()); ++k) {
+    ClosureRecord& record = closures[k];
+    if (BetweenMissions(record) || consistency_row[k] >= 0 || !InPlay(k)) continue;
+    if (record.verdict == ClosureVerdict::kForcedByOperator) continue;
+    consistency_row[k] = 0;  // odometry does not change: once is enough
+    const UncertainTrajectory& path = odometry[PositionOf(record.candidate.from)];
+    if (LoopChiSquare(record.candidate, path) <= options.consistency_chi_square_limit) continue;
+    consistency_row[k] = -1;
+    SetVerdict(record, ClosureVerdict::kRejectedInconsistent);
+    record.weight = 0;
+  }
+}
+
 // Odometry as uploaded is what closures are compared along: an optimised path would already have
 // been bent by those accepted before.
 void MultiRobotMap::State::JudgeConsistency() {
   if (options.robust != MultiRobotMapOptions::Robust::kGnc) return;
+  JudgeAgainstOdometry();
   std::map<std::pair<int, int>, std::vector<int>> closures_of_missions;
   std::set<std::pair<int, int>> changed;  // a closure dropped out: its row must go
   for (int k = 0; k < static_cast<int>(closures.size()); ++k) {

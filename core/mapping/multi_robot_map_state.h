@@ -104,6 +104,7 @@ struct MultiRobotMap::State {
   void ActivateSightings();
   void Locate(SightingRecord& sighting) const;
   bool TakesPartInConsistency(int closure) const;
+  void JudgeAgainstOdometry();
   void JudgeConsistency();
   bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair);
 

@@ -98,8 +98,10 @@ std::map<std::string, Setter> Keys(ServerOptions& options) {
       {"loop_closures.max_candidates", Into(loops.proposer.max_candidates)},
       {"loop_closures.min_separation_m", Into(loops.proposer.min_separation_m)},
       {"loop_closures.min_loop_length_m", Into(loops.proposer.min_loop_length_m)},
-      {"loop_closures.min_overlap", Into(loops.verifier.min_overlap)},
-      {"loop_closures.max_residual_m", Into(loops.verifier.max_residual_m)},
+      {"loop_closures.min_overlap", Into(loops.verifier.required.min_overlap)},
+      {"loop_closures.max_residual_m", Into(loops.verifier.required.max_residual_m)},
+      {"loop_closures.planar_min_overlap", Into(loops.verifier.planar_required.min_overlap)},
+      {"loop_closures.planar_max_residual_m", Into(loops.verifier.planar_required.max_residual_m)},
       {"loop_closures.max_translation_m", Into(loops.verifier.max_translation_m)},
   };
 }
