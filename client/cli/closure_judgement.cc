@@ -16,10 +16,32 @@ const RobotPlan* FindPlan(const std::vector<RobotPlan>& plans, const MissionId& 
   return plan == plans.end() ? nullptr : &*plan;
 }
 
+// Where the ground truth does not know a keyframe, the nearest that it knows within this way and
+// the odometry between.
+constexpr double kMaxCarry_m = 3;
+
+// The ground truth of keyframe `index`, carried from a neighbour if need be.
+std::optional<Rigid3d> KnownPose(const RobotPlan& plan, int64_t index) {
+  const auto count = static_cast<int64_t>(plan.ground_truth.size());
+  const Rigid3d& here = plan.keyframes[index].mission_from_body;
+  for (int64_t step = 0; step < count; ++step) {
+    bool near = false;
+    for (const int64_t other : {index - step, index + step}) {
+      if (other < 0 || other >= count) continue;
+      const Rigid3d between = plan.keyframes[other].mission_from_body.Inverse() * here;
+      if (between.translation.norm() > kMaxCarry_m) continue;
+      near = true;
+      if (plan.ground_truth[other].has_value()) return *plan.ground_truth[other] * between;
+    }
+    if (!near) break;
+  }
+  return std::nullopt;
+}
+
 // In the frame that both robots of a closure share.
 std::optional<Rigid3d> TruePose(const RobotPlan& plan, int64_t index, bool common) {
   if (index < 0 || index >= static_cast<int64_t>(plan.ground_truth.size())) return std::nullopt;
-  const std::optional<Rigid3d>& pose = plan.ground_truth[index];
+  const std::optional<Rigid3d> pose = KnownPose(plan, index);
   if (!pose.has_value() || !common) return pose;
   if (!plan.common_from_world.has_value()) return std::nullopt;
   return *plan.common_from_world * *pose;

@@ -26,7 +26,7 @@ struct CloudVerifierOptions {
   CloudRequirements required;
   // Planar lasers: rooms and corridors, few points, and many places of nearly the same outline.
   CoarseToFineOptions planar_registration = PlanarRegistration();
-  CloudRequirements planar_required = {0.75, 0.06};
+  CloudRequirements planar_required = {0.7, 0.08};
   // Further apart, two keyframes do not see the same: the registration has slipped.
   double max_translation_m = 15;
 

@@ -94,8 +94,10 @@ std::string Reason(const ClosureRecord& record) {
       return absl::StrFormat("the registered clouds lie %.2f m apart, at most %.2f m are taken",
                              figures.residual_m, figures.residual_limit_m);
     case ClosureVerdict::kRejectedDegenerate:
-      return absl::StrCat("the clouds leave ", figures.open_directions,
-                          " of six directions open, too many");
+      return absl::StrCat("the clouds leave ", figures.open_directions, " of six directions open, ",
+                          figures.open_directions > kMaxOpenDirections
+                              ? "too many"
+                              : "and the map does not expect the two places to be one");
     case ClosureVerdict::kRejectedInconsistent:
       if (candidate.from.mission == candidate.to.mission) {
         return "further from its mission's odometry than that can have drifted in between";

@@ -54,6 +54,13 @@ struct ClosureRecord {
   int consistent_set = 0;
 };
 
+// True when the clouds leave a direction open, as a corridor does along its axis. One corridor is
+// like another, so such a closure proves nothing by itself: it ties no components and vouches for
+// no other closure, and it is used where the map expects it, as weakly as it was measured.
+inline bool IsWeak(const LoopCandidate& candidate) {
+  return candidate.registration.has_value() && candidate.registration->open_directions > 0;
+}
+
 // What the figures alone say: one of the kRejected ones, or kPending when they are in order.
 ClosureVerdict JudgeFigures(const LoopCandidate& candidate);
 

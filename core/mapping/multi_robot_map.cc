@@ -252,6 +252,7 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
   state.ActivateSightings();
   state.JudgeConsistency();
   state.JoinFrames(State::Joining::kInUse);
+  state.JudgeWeakClosures();
   state.Quarantine();
   const MapProblem problem = state.BuildProblem();
   auto result = state.Solve(problem, /*warm=*/true);

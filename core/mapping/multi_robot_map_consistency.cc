@@ -11,6 +11,10 @@
 namespace overtone {
 namespace {
 
+// How far from where the map has it a closure with an open direction may lie.
+constexpr double kMaxWeakErrorM = 3;
+constexpr double kMaxWeakErrorRad = 0.3;
+
 // Chi square, 6 degrees of freedom, of the loop that a closure makes with its mission's odometry.
 double LoopChiSquare(const LoopCandidate& closure, const UncertainTrajectory& odometry) {
   const int from = static_cast<int>(closure.from.index), to = static_cast<int>(closure.to.index);
@@ -44,6 +48,7 @@ InterMissionClosure From(const LoopCandidate& candidate, bool reversed) {
 bool MultiRobotMap::State::TakesPartInConsistency(int closure) const {
   const ClosureRecord& record = closures[closure];
   if (!BetweenMissions(record) || record.verdict == ClosureVerdict::kForcedByOperator) return false;
+  if (IsWeak(record.candidate)) return false;
   return InPlay(closure) || record.verdict == ClosureVerdict::kRejectedInconsistent;
 }
 
@@ -124,6 +129,29 @@ bool MultiRobotMap::State::JudgePair(const std::pair<int, int>& pair,
     }
   }
   return lost;
+}
+
+// Against the map as it stands, once the frames are joined.
+void MultiRobotMap::State::JudgeWeakClosures() {
+  for (int k = 0; k < static_cast<int>(closures.size()); ++k) {
+    ClosureRecord& record = closures[k];
+    const bool judged = InPlay(k) || record.verdict == ClosureVerdict::kRejectedDegenerate;
+    if (!judged || TiesMissions(record)) continue;
+    const LoopCandidate& candidate = record.candidate;
+    if (JudgeFigures(candidate) != ClosureVerdict::kPending) continue;
+    if (FrameOf(candidate.from) != FrameOf(candidate.to)) continue;  // for the quarantine
+    const Rigid3d expected = PoseOf(candidate.from)->Inverse() * *PoseOf(candidate.to);
+    const Rigid3d error = expected.Inverse() * candidate.from_tform_to;
+    const bool plausible = error.translation.norm() <= kMaxWeakErrorM &&
+                           LogSO3(error.rotation).norm() <= kMaxWeakErrorRad;
+    if (plausible && record.verdict == ClosureVerdict::kRejectedDegenerate) {
+      SetVerdict(record, ClosureVerdict::kAccepted);
+      record.weight = 1;
+    } else if (!plausible) {
+      SetVerdict(record, ClosureVerdict::kRejectedDegenerate);
+      record.weight = 0;
+    }
+  }
 }
 
 }  // namespace overtone

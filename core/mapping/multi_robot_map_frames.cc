@@ -45,7 +45,7 @@ FrameTie MultiRobotMap::State::TieOf(const LoopCandidate& candidate) const {
 void MultiRobotMap::State::AddClosureTies(Joining joining, TiesOfFrames& ties_of_frames) const {
   std::map<std::pair<int, int>, std::set<std::pair<NodeId, NodeId>>> ends_of_missions;
   for (int k = 0; k < static_cast<int>(closures.size()); ++k) {
-    if (!InPlay(k)) continue;
+    if (!InPlay(k) || !TiesMissions(closures[k])) continue;
     const ClosureRecord& record = closures[k];
     const LoopCandidate& candidate = record.candidate;
     const int from = FrameOf(candidate.from), to = FrameOf(candidate.to);
@@ -213,7 +213,7 @@ void MultiRobotMap::State::SplitFrames() {
                                  static_cast<int>(missions.size() + element_of_landmark.size()));
   const auto element_of = [&](const NodeId& node) { return first_mission + PositionOf(node); };
   for (const ClosureRecord& record : closures) {
-    if (!InUse(record.verdict)) continue;
+    if (!InUse(record.verdict) || !TiesMissions(record)) continue;
     const LoopCandidate& candidate = record.candidate;
     if (FrameOf(candidate.from) != FrameOf(candidate.to)) continue;  // not aligned yet
     components.Unite(element_of(candidate.from), element_of(candidate.to));

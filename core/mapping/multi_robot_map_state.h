@@ -98,6 +98,9 @@ struct MultiRobotMap::State {
   }
   // Measured, both ends known, and neither figures nor operator against it.
   bool InPlay(int closure) const;
+  bool TiesMissions(const ClosureRecord& record) const {
+    return record.verdict == ClosureVerdict::kForcedByOperator || !IsWeak(record.candidate);
+  }
 
   // Before the optimisation.
   void ActivateClosures();
@@ -105,6 +108,7 @@ struct MultiRobotMap::State {
   void Locate(SightingRecord& sighting) const;
   bool TakesPartInConsistency(int closure) const;
   void JudgeAgainstOdometry();
+  void JudgeWeakClosures();
   void JudgeConsistency();
   bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair);
 
