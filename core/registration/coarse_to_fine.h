@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Registration from a guess that is metres and degrees off: coarse clouds and long reach first,
-// each result being the guess of the next finer resolution.
+// each result being the guess of the next finer resolution, where the first guess does not fit
+// better.
 #ifndef OVERTONE_CORE_REGISTRATION_COARSE_TO_FINE_H_
 #define OVERTONE_CORE_REGISTRATION_COARSE_TO_FINE_H_
 
@@ -28,7 +29,7 @@ struct CoarseToFineOptions {
   std::vector<double> yaw_offsets_rad = {0.5, -0.5};
   int max_iterations = 30;      // at each resolution
   double overlap_distance = 2;  // in finest voxels
-  int num_neighbors = 10;
+  int num_neighbors = 15;  // for a normal: two rings of a LiDAR, where 10 are of one and say little
   double planar_thickness_m = 0.02;
   double correlation_length_m = 1.0;
   CovarianceOptions covariance;
