@@ -114,7 +114,7 @@ std::vector<Scenario> SimulatedScenarios() {
   return {
       {"hall", ScanTwice(HallWorld(), StandingAt(2, 1, 0.3), StandingAt(0, 0, 0), lidar, 1)},
       {"room", ScanTwice(RoomWorld(), StandingAt(1, 0.5, 0.3), StandingAt(0, 0, 0), lidar, 2),
-       IndoorLaserOptions(), 0.25},
+       CoarseToFineOptions(), 0.25},
       {"hall, planar", ScanTwice(HallWorld(), StandingAt(2, 1, 0.3), StandingAt(0, 0, 0), laser, 3),
        IndoorLaserOptions(), 0.5},
       {"room, planar",

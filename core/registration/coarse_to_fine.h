@@ -18,7 +18,7 @@
 namespace overtone {
 
 struct CoarseToFineOptions {
-  // Coarse to fine, strictly decreasing. Outdoor LiDAR; IndoorLaserOptions() for rooms.
+  // Coarse to fine, strictly decreasing. Outdoor LiDAR; IndoorLaserOptions() for planar lasers.
   std::vector<double> voxel_sizes_m = {2.0, 1.0, 0.5, 0.25};
   // Points have a say on counterparts within `reach` voxels; within kernel_width / 2 voxels it is
   // undiminished (gicp.h).
@@ -38,7 +38,8 @@ struct CoarseToFineOptions {
   double OverlapDistance() const { return overlap_distance * voxel_sizes_m.back(); }  // metres
 };
 
-// For planar lasers and small rooms.
+// For planar lasers. Not for LiDAR: in voxels this small the normals of its sparse rings are
+// chance, and hold a corridor along its axis.
 CoarseToFineOptions IndoorLaserOptions();
 
 // One cloud at all resolutions of the options. Immutable; any number of threads may use it at once.

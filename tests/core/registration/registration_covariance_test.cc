@@ -54,7 +54,7 @@ TEST(RegistrationCovariance, OfACorridorIsOpenAlongItsAxisOnly) {
   }
 }
 
-// The errors of both clouds' normals, here of several degrees, do not add up to a hold on the axis.
+// The errors of the normals, here of several degrees, do not add up to a hold on the axis.
 TEST(RegistrationCovariance, NoiseDoesNotCloseACorridor) {
   Scanner laser = PlanarScanner();
   laser.range_sigma_m = 0.07;
