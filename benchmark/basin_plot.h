@@ -18,7 +18,7 @@ struct BasinRow {
   double success_rate = 0;
   double median_error_m = 0;
   double median_error_deg = 0;
-  double milliseconds = 0;  // per pair, the clouds' preparation not included
+  double milliseconds = 0;  // of CPU per pair, the clouds' preparation not included
   double least_overlap_of_successes = 0;
   double largest_overlap_of_failures = 0;
 };

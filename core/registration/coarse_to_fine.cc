@@ -62,6 +62,15 @@ GicpEstimate BestStart(const RegistrationCloud& source, const RegistrationCloud&
   return best;
 }
 
+// A coarser result, unless it overlaps clearly less than the guess that it came from: few points or
+// a narrow field of view can lead a coarse registration away from a good guess.
+const Rigid3d& BetterStart(const RegistrationCloud& source, const RegistrationCloud& target,
+                           const Rigid3d& coarser, const Rigid3d& guess) {
+  const double distance_m = source.voxel_size_m();
+  const double overlap = Overlap(source, target, coarser, distance_m);
+  return Overlap(source, target, guess, distance_m) > overlap + kClearlyMore ? guess : coarser;
+}
+
 absl::Status CheckLevels(const RegistrationPyramid& pyramid, const CoarseToFineOptions& options) {
   bool same = pyramid.levels().size() == options.voxel_sizes_m.size();
   for (size_t level = 0; same && level < options.voxel_sizes_m.size(); ++level) {
@@ -100,6 +109,7 @@ absl::Status CoarseToFineOptions::Validate() const {
 CoarseToFineOptions IndoorLaserOptions() {
   CoarseToFineOptions options;
   options.voxel_sizes_m = {0.8, 0.4, 0.2, 0.1};
+  options.num_neighbors = 10;
   options.correlation_length_m = 0.5;
   return options;
 }
@@ -133,7 +143,10 @@ absl::StatusOr<RegistrationResult> RegisterCoarseToFine(const RegistrationPyrami
   RegistrationResult result;
   result.iterations = estimate.iterations;
   for (size_t level = 1; level < options.voxel_sizes_m.size(); ++level) {
-    estimate = Gicp(*source.levels()[level], *target.levels()[level], estimate.target_from_source,
+    const RegistrationCloud& level_source = *source.levels()[level];
+    const RegistrationCloud& level_target = *target.levels()[level];
+    estimate = Gicp(level_source, level_target,
+                    BetterStart(level_source, level_target, estimate.target_from_source, start),
                     OptionsAt(options.voxel_sizes_m[level], options));
     result.iterations += estimate.iterations;
   }

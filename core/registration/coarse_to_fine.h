@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Registration from a guess that is metres and degrees off: coarse clouds and long reach first,
-// each result being the guess of the next finer resolution.
+// each result being the guess of the next finer resolution, where the first guess does not fit
+// better.
 #ifndef OVERTONE_CORE_REGISTRATION_COARSE_TO_FINE_H_
 #define OVERTONE_CORE_REGISTRATION_COARSE_TO_FINE_H_
 
@@ -17,7 +18,7 @@
 namespace overtone {
 
 struct CoarseToFineOptions {
-  // Coarse to fine, strictly decreasing. Outdoor LiDAR; IndoorLaserOptions() for rooms.
+  // Coarse to fine, strictly decreasing. Outdoor LiDAR; IndoorLaserOptions() for planar lasers.
   std::vector<double> voxel_sizes_m = {2.0, 1.0, 0.5, 0.25};
   // Points have a say on counterparts within `reach` voxels; within kernel_width / 2 voxels it is
   // undiminished (gicp.h).
@@ -28,7 +29,7 @@ struct CoarseToFineOptions {
   std::vector<double> yaw_offsets_rad = {0.5, -0.5};
   int max_iterations = 30;      // at each resolution
   double overlap_distance = 2;  // in finest voxels
-  int num_neighbors = 10;
+  int num_neighbors = 15;  // for a normal: two rings of a LiDAR, where 10 are of one and say little
   double planar_thickness_m = 0.02;
   double correlation_length_m = 1.0;
   CovarianceOptions covariance;
@@ -37,7 +38,8 @@ struct CoarseToFineOptions {
   double OverlapDistance() const { return overlap_distance * voxel_sizes_m.back(); }  // metres
 };
 
-// For planar lasers and small rooms.
+// For planar lasers. Not for LiDAR: in voxels this small the normals of its sparse rings are
+// chance, and hold a corridor along its axis.
 CoarseToFineOptions IndoorLaserOptions();
 
 // One cloud at all resolutions of the options. Immutable; any number of threads may use it at once.

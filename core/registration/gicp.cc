@@ -34,16 +34,6 @@ struct NormalEquations {
     sum_of_weights += weight;
   }
 
-  // Everything but x, y and yaw stays.
-  void HoldOutOfLevel() {
-    for (const int held : {2, 3, 4}) {
-      hessian.row(held).setZero();
-      hessian.col(held).setZero();
-      hessian(held, held) = 1;
-      gradient(held) = 0;
-    }
-  }
-
   Vector6d Step() const { return -hessian.selfadjointView<Eigen::Upper>().ldlt().solve(gradient); }
 };
 
@@ -110,7 +100,6 @@ absl::Status GicpOptions::Validate() const {
 
 GicpEstimate Gicp(const RegistrationCloud& source, const RegistrationCloud& target,
                   const Rigid3d& guess, const GicpOptions& options) {
-  const bool planar = source.planar() && target.planar();
   const float max_squared_distance = static_cast<float>(options.max_correspondence_distance_m *
                                                         options.max_correspondence_distance_m);
   GicpEstimate estimate;
@@ -122,7 +111,6 @@ GicpEstimate Gicp(const RegistrationCloud& source, const RegistrationCloud& targ
     NormalEquations equations = Linearise(source, target, estimate.target_from_source,
                                           estimate.target_of_source, options.kernel_width_m);
     if (equations.num_counterparts < kMinCounterparts) break;
-    if (planar) equations.HoldOutOfLevel();
     const Vector6d step = equations.Step();
     estimate.target_from_source = estimate.target_from_source * Exp(step);
     ++estimate.iterations;

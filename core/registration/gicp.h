@@ -38,9 +38,9 @@ struct GicpEstimate {
   std::vector<int> target_of_source;
 };
 
-// When both clouds are planar, only x, y and yaw are estimated; the guess then has no z, roll or
-// pitch (LevelPart). With fewer than 3 counterparts the guess stays as it is, not converged.
-// `options` are valid.
+// Planar clouds move in their level only, x, y and yaw, when the guess has no z, roll or pitch:
+// nothing then pulls out of it. With fewer than 3 counterparts the guess stays as it is, not
+// converged. `options` are valid.
 GicpEstimate Gicp(const RegistrationCloud& source, const RegistrationCloud& target,
                   const Rigid3d& guess, const GicpOptions& options);
 

@@ -17,7 +17,7 @@ namespace overtone {
 
 struct RegistrationCloudOptions {
   double voxel_size_m = 0.25;
-  int num_neighbors = 10;  // for a normal, the point itself included
+  int num_neighbors = 15;  // for a normal, the point itself included
   // A cloud whose z spans no more is that of a planar laser: its points are brought to z = 0 and
   // its normals are level.
   double planar_thickness_m = 0.02;

@@ -18,10 +18,9 @@ constexpr double kLeastLever_m = 0.01;
 // A pair in the source's frame.
 struct SurfacePair {
   Eigen::Vector3d point;
-  Eigen::Vector3d source_normal;
-  Eigen::Vector3d target_normal;  // in the source's half space
-  double residual_m;              // along their mean
-  double measurements;            // that it stands for, [0, 1]
+  Eigen::Vector3d normal;  // the mean of both
+  double residual_m;       // along it
+  double measurements;     // that it stands for, [0, 1]
 };
 
 std::vector<SurfacePair> SurfacePairs(const RegistrationCloud& source,
@@ -41,11 +40,10 @@ std::vector<SurfacePair> SurfacePairs(const RegistrationCloud& source,
     Eigen::Vector3d m = source_from_target.rotation * target.normals()[j].direction.cast<double>();
     if (n.dot(m) < 0) m = -m;
     const Eigen::Vector3d mean = (n + m).normalized();
-    // cos(2 angle): pairs whose normals are 45 degrees apart are not of one surface. Any sharper
-    // and the choice of pairs would undo the cancelling of the normals' errors.
+    // cos(2 angle): pairs whose normals are 45 degrees apart are not of one surface.
     const double agreement = std::max(0.0, 2 * n.dot(m) * n.dot(m) - 1);
     const double certainty = source.normals()[i].certainty * target.normals()[j].certainty;
-    pairs.push_back({point, n, m, mean.dot(d), agreement * certainty * source.independence()[i]});
+    pairs.push_back({point, mean, mean.dot(d), agreement * certainty * source.independence()[i]});
   }
   return pairs;
 }
@@ -80,11 +78,9 @@ Matrix6d Information(const std::vector<SurfacePair>& pairs, const Extent& extent
   Matrix6d information = Matrix6d::Zero();
   for (const SurfacePair& pair : pairs) {
     const Eigen::Vector3d arm = pair.point - extent.centre;
-    Vector6d along_n, along_m;
-    along_n << pair.source_normal, inverse_lever * arm.cross(pair.source_normal);
-    along_m << pair.target_normal, inverse_lever * arm.cross(pair.target_normal);
-    information +=
-        pair.measurements / 2 * (along_n * along_m.transpose() + along_m * along_n.transpose());
+    Vector6d jacobian;
+    jacobian << pair.normal, inverse_lever * arm.cross(pair.normal);
+    information += pair.measurements * jacobian * jacobian.transpose();
   }
   return information;
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // How well the surfaces that two clouds share determine the motion between them.
 //
-// A pair of points with normals n and m (of one sign) measures the motion along them; the sum over
-// the pairs of J^T (n m^T + m n^T) / 2 J, J = [I, -p^], is their information in units of
-// measurements. Taking one normal from each cloud makes the error of the normals cancel: with n n^T
-// it would hold the axis of a corridor that nothing holds. Its eigenvalues, rotation scaled by the
-// lever arm of the points, are the numbers of measurements along the eigenvectors.
+// A pair of points on a surface measures the motion along its normal n (the mean of both clouds'):
+// the sum over the pairs of J^T n n^T J, J = [I, -p^], is their information in units of
+// measurements. Its eigenvalues, rotation scaled by how it moves the points, are the numbers of
+// measurements along the eigenvectors. What a pair counts is little where its normals disagree or
+// are uncertain, where neighbours say the same, and where points are so few that their neighbours
+// are far: there normals are chance, and would hold the axis of a corridor that nothing holds.
 #ifndef OVERTONE_CORE_REGISTRATION_REGISTRATION_COVARIANCE_H_
 #define OVERTONE_CORE_REGISTRATION_REGISTRATION_COVARIANCE_H_
 

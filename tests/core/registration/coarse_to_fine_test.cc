@@ -40,16 +40,21 @@ TEST(CoarseToFine, FindsAHallFromMetresAndDegreesAway) {
 }
 
 TEST(CoarseToFine, TurnedStartsFindWhatTheGuessAloneMisses) {
-  const ScanPair pair = HallPair(Scanner());
-  const Rigid3d guess = pair.target_from_source * Off(2, 2, 0, M_PI / 3);
-  const auto error = [&](const CoarseToFineOptions& options) {
-    const RegistrationResult result = Register(pair, guess, options);
-    return Log(pair.target_from_source.Inverse() * result.target_from_source).norm();
+  const ScanPair pair = HallPair(PlanarScanner());
+  const auto num_found = [&](const CoarseToFineOptions& options) {
+    int found = 0;
+    for (int i = 0; i < 8; ++i) {
+      const double heading = i * M_PI / 4, yaw = (i % 2 == 0 ? 1 : -1) * M_PI / 4;
+      const Rigid3d away = Off(1.5 * std::cos(heading), 1.5 * std::sin(heading), 0, yaw);
+      const RegistrationResult result = Register(pair, pair.target_from_source * away, options);
+      found += Log(pair.target_from_source.Inverse() * result.target_from_source).norm() < 0.02;
+    }
+    return found;
   };
-  CoarseToFineOptions options;
-  EXPECT_LT(error(options), 0.02);
+  CoarseToFineOptions options = IndoorLaserOptions();
+  EXPECT_EQ(num_found(options), 8);
   options.yaw_offsets_rad.clear();
-  EXPECT_GT(error(options), 0.1);
+  EXPECT_LT(num_found(options), 7);
 }
 
 TEST(CoarseToFine, HoldsWhatPlanarLasersDoNotSee) {

@@ -54,6 +54,15 @@ TEST(RegistrationCovariance, OfACorridorIsOpenAlongItsAxisOnly) {
   }
 }
 
+// The errors of the normals, here of several degrees, do not add up to a hold on the axis.
+TEST(RegistrationCovariance, NoiseDoesNotCloseACorridor) {
+  Scanner laser = PlanarScanner();
+  laser.range_sigma_m = 0.07;
+  for (const double yaw : {0.0, 0.3, 0.6, 0.9}) {
+    EXPECT_EQ(RegisterIn(CorridorWorld(), yaw, laser, IndoorLaserOptions()).open_directions, 1);
+  }
+}
+
 TEST(RegistrationCovariance, OfAWallIsOpenAlongItAndAboutItsNormal) {
   const RegistrationResult result = RegisterIn(WallWorld(), 0, Scanner(), {});
   EXPECT_EQ(result.open_directions, 3);
@@ -91,12 +100,12 @@ TEST(RegistrationCovariance, PromisesNoMoreThanRepeatedRegistrationsKeep) {
   Scanner lidar;
   lidar.range_sigma_m = 0.05;
   const double solid = MeanNees(lidar, {}, 12);
-  EXPECT_LT(solid, 1.3);
+  EXPECT_LT(solid, 1);
   EXPECT_GT(solid, 0.005);
   Scanner laser = PlanarScanner();
   laser.range_sigma_m = 0.05;
   const double planar = MeanNees(laser, IndoorLaserOptions(), 40);
-  EXPECT_LT(planar, 1.3);
+  EXPECT_LT(planar, 1);
   EXPECT_GT(planar, 0.005);
 }
 
@@ -113,9 +122,9 @@ TEST(RegistrationCovariance, FollowsTheBodyFrame) {
   const RegistrationResult far = RegisterAtTruth(pair, options);
   const Matrix6d tangent = Adjoint(room_from_body.Inverse());
   const Matrix6d expected = tangent * near.covariance * tangent.transpose();
-  for (int k = 0; k < 6; ++k) {
-    EXPECT_NEAR(std::sqrt(far.covariance(k, k) / expected(k, k)), 1, 0.15) << k;
-  }
+  const Vector6d sigmas = expected.diagonal().cwiseSqrt();
+  const Matrix6d off = (far.covariance - expected).cwiseQuotient(sigmas * sigmas.transpose());
+  EXPECT_LT(off.cwiseAbs().maxCoeff(), 0.3) << off;
 }
 
 }  // namespace
