@@ -61,7 +61,7 @@ TEST(ScanContextProposer, ProposesThePlaceSeenBeforeAndNoOther) {
   EXPECT_EQ(candidate.from, Node("a", 4));
   EXPECT_EQ(candidate.to, Node("a", 10));
   EXPECT_EQ(candidate.proposer, LoopEvidence::kScanContext);
-  EXPECT_GT(candidate.score, 0.8);
+  EXPECT_GT(candidate.score, 0.7);
   EXPECT_EQ(candidate.score_threshold, ScanContextProposerOptions().min_similarity);
   EXPECT_FALSE(candidate.measured);
   EXPECT_FALSE(candidate.registration.has_value());
