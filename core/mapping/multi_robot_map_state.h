@@ -105,7 +105,8 @@ struct MultiRobotMap::State {
   void Locate(SightingRecord& sighting) const;
   bool TakesPartInConsistency(int closure) const;
   void JudgeConsistency();
-  bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair);
+  bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair,
+                 std::vector<int>& regained);
 
   // Everything that ties two frames.
   struct Ties {
