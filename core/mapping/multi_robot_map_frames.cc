@@ -218,6 +218,7 @@ void MultiRobotMap::State::SplitFrames() {
     if (!InUse(record.verdict)) continue;
     const LoopCandidate& candidate = record.candidate;
     if (FrameOf(candidate.from) != FrameOf(candidate.to)) continue;  // not aligned yet
+    if (candidate.proposer == LoopEvidence::kRobotScore) continue;   // would not have joined them
     components.Unite(element_of(candidate.from), element_of(candidate.to));
   }
   for (const SightingRecord& sighting : sightings) {

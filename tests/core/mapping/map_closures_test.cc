@@ -327,6 +327,21 @@ TEST_F(ScoredPairsTest, WrongOnesAloneDoNotJoinTwoMissions) {
   }
 }
 
+// They came into use by the measured set, and do not outlive it.
+TEST_F(ScoredPairsTest, TheyDoNotKeepMissionsJoinedWhenTheMeasuredClosuresAreVetoed) {
+  AddMissions({"a", "b"});
+  for (const int i : {5, 25, 45}) ClosuresTest::Add(Right("a", i, "b", i + 3));
+  Add(RightPairs());
+  EXPECT_THAT(Verdicts(*map_.Optimise()), Each("accepted"));
+  for (const int i : {5, 25, 45}) {
+    ASSERT_TRUE(map_.Veto("a/m0:" + std::to_string(i) + ">b/m0:" + std::to_string(i + 3) + "#0")
+                    .ok());
+  }
+  const auto snapshot = map_.Optimise();
+  EXPECT_FALSE(snapshot->missions[1].anchored);
+  EXPECT_THAT(Verdicts(*snapshot, 3), Each("quarantined"));
+}
+
 TEST_F(ScoredPairsTest, TheyDoNotVouchForAMeasuredClosure) {
   AddMissions({"a", "b"});
   ClosuresTest::Add(Elsewhere("a", 5, "b", 8, Planar(25, -10, 1.5)));
