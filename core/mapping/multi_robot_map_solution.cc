@@ -107,9 +107,10 @@ void MultiRobotMap::State::Reconsider(Shapes shapes, MapProblem problem, PoseGra
   }
   if (shapes == Shapes::kOfOdometry) Unbend();
   const std::vector<int> aligning = JoinFrames(Joining::kAll);
-  const bool in_use = shapes == Shapes::kPresent && std::all_of(aligning.begin(), aligning.end(), [&](int k) {
-    return k < 0 || result.weights[problem.edge_of_closure[k]] >= kDemotedBelowWeight;
-  });
+  const bool in_use =
+      shapes == Shapes::kPresent && std::all_of(aligning.begin(), aligning.end(), [&](int k) {
+        return k < 0 || result.weights[problem.edge_of_closure[k]] >= kDemotedBelowWeight;
+      });
   if (in_use) return give_up();
   problem = BuildProblem();
   // Only where the same measurements take part are the costs of the two starts comparable.

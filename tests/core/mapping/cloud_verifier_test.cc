@@ -59,7 +59,8 @@ TEST(CloudVerifierOptions, DefaultsAreValidAndNonsenseIsNamed) {
   EXPECT_THAT(message([](auto& o) { o.max_residual_m = std::nan(""); }),
               HasSubstr("max_residual_m"));
   EXPECT_THAT(message([](auto& o) { o.max_translation_m = 0; }), HasSubstr("max_translation_m"));
-  EXPECT_THAT(message([](auto& o) { o.registration.voxel_sizes_m = {}; }), HasSubstr("voxel_sizes_m"));
+  EXPECT_THAT(message([](auto& o) { o.registration.voxel_sizes_m = {}; }),
+              HasSubstr("voxel_sizes_m"));
 }
 
 // Turned by half a radian and without any translation, as a proposer guesses.
@@ -132,8 +133,7 @@ TEST(CloudVerifier, ACorridorDoesNotPullAlongItsAxisInTheMap) {
   candidate.from = {Mission("a"), 0};
   candidate.to = {Mission("a"), last};
   MultiRobotMap map{MultiRobotMapOptions()};
-  ASSERT_TRUE(
-      map.AddSubmap(Mission("a"), MakeSubmap(0, 0, odometry, Covariance(0.1, 0.02))).ok());
+  ASSERT_TRUE(map.AddSubmap(Mission("a"), MakeSubmap(0, 0, odometry, Covariance(0.1, 0.02))).ok());
   ASSERT_TRUE(map.AddCandidate(candidate).ok());
   const auto snapshot = map.Optimise();
   EXPECT_EQ(ToString(snapshot->closures[0].verdict), "accepted") << Reason(snapshot->closures[0]);

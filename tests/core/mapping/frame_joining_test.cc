@@ -79,9 +79,8 @@ TEST(AlignFrames, TwoRightTiesOutvoteMoreWrongOnesThatDisagreeAmongThemselves) {
 // point 0.3 m off at a tolerance of 0.6 m adds 1 / (1 + 1/4), and agrees.
 TEST(AlignFrames, AgreementIsTheSumOfTheWeightsOfAllTies) {
   const Matrix6d information = Covariance(0.1, 0.02).inverse();
-  const std::vector<FrameTie> ties = {
-      {Rigid3d(), Rigid3d(), Planar(1, 0, 0), information},
-      {Rigid3d(), Rigid3d(), Planar(1.2, 0, 0), information}};
+  const std::vector<FrameTie> ties = {{Rigid3d(), Rigid3d(), Planar(1, 0, 0), information},
+                                      {Rigid3d(), Rigid3d(), Planar(1.2, 0, 0), information}};
   const FrameAlignment poses = AlignFrames(ties, {}, /*chi_square_limit=*/20);
   EXPECT_EQ(poses.tie, 0);
   EXPECT_NEAR(poses.agreement, 1 + 1 / 1.2, 1e-9);
@@ -213,8 +212,7 @@ TEST(AlignPoints, ALevelLineTellsTheHeadingOfAnUprightFrame) {
 
 TEST(AlignPoints, AVerticalLineTellsNoHeadingNoisyOrNot) {
   for (const double noise_m : {0.0, 0.1}) {
-    EXPECT_FALSE(
-        AlignPoints(PointsAlong(Eigen::Vector3d::UnitZ(), kUpright, noise_m)).has_value())
+    EXPECT_FALSE(AlignPoints(PointsAlong(Eigen::Vector3d::UnitZ(), kUpright, noise_m)).has_value())
         << noise_m;
   }
 }

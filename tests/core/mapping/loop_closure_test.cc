@@ -20,9 +20,10 @@ LoopCandidate Passing() {
   candidate.proposer = LoopEvidence::kScanContext;
   candidate.score = candidate.score_threshold = 0.6;
   candidate.measured = true;
-  candidate.registration = RegistrationFigures{/*converged=*/true,      /*overlap=*/0.7,
-                                               /*overlap_threshold=*/0.7, /*residual_m=*/0.1,
-                                               /*residual_limit_m=*/0.1, /*open_directions=*/2};
+  candidate.registration =
+      RegistrationFigures{/*converged=*/true,        /*overlap=*/0.7,
+                          /*overlap_threshold=*/0.7, /*residual_m=*/0.1,
+                          /*residual_limit_m=*/0.1,  /*open_directions=*/2};
   return candidate;
 }
 
@@ -84,11 +85,11 @@ TEST(JudgeFigures, WithoutRegistrationOnlyTheScoreCounts) {
 TEST(ClosureVerdict, EachHasANameOfItsOwn) {
   std::vector<std::string> names;
   for (const ClosureVerdict verdict : AllClosureVerdicts()) names.emplace_back(ToString(verdict));
-  EXPECT_THAT(names, testing::ElementsAre("pending", "accepted", "demoted_by_optimiser",
-                                          "quarantined", "rejected_score", "rejected_overlap",
-                                          "rejected_residual", "rejected_degenerate",
-                                          "rejected_inconsistent", "vetoed_by_operator",
-                                          "forced_by_operator"));
+  EXPECT_THAT(names,
+              testing::ElementsAre("pending", "accepted", "demoted_by_optimiser", "quarantined",
+                                   "rejected_score", "rejected_overlap", "rejected_residual",
+                                   "rejected_degenerate", "rejected_inconsistent",
+                                   "vetoed_by_operator", "forced_by_operator"));
   EXPECT_EQ(ToString(static_cast<ClosureVerdict>(99)), "unknown");
 }
 
@@ -97,8 +98,8 @@ TEST(ClosureVerdict, OnlyAcceptedAndForcedOnesAreInUse) {
   for (const ClosureVerdict verdict : AllClosureVerdicts()) {
     if (InUse(verdict)) in_use.insert(verdict);
   }
-  EXPECT_THAT(in_use, testing::ElementsAre(ClosureVerdict::kAccepted,
-                                           ClosureVerdict::kForcedByOperator));
+  EXPECT_THAT(in_use,
+              testing::ElementsAre(ClosureVerdict::kAccepted, ClosureVerdict::kForcedByOperator));
 }
 
 TEST(Reason, SaysTheFiguresThatDecided) {

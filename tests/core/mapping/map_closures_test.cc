@@ -183,8 +183,8 @@ TEST_F(ClosuresTest, AWrongSetThatCameFirstIsOverruledByALargerOne) {
             "disagrees with the 4 closures that agree between its two missions");
   const RevisionRecord& record = map_.history().records().back();
   EXPECT_EQ(record.accepted.size(), 4u);
-  EXPECT_THAT(record.dropped, ElementsAre("a/m0:25>b/m0:28#0", "a/m0:45>b/m0:48#0",
-                                          "a/m0:5>b/m0:8#0"));
+  EXPECT_THAT(record.dropped,
+              ElementsAre("a/m0:25>b/m0:28#0", "a/m0:45>b/m0:48#0", "a/m0:5>b/m0:8#0"));
 }
 
 TEST_F(ClosuresTest, VetoingOneOfASetLetsTheOthersStand) {
@@ -208,8 +208,8 @@ TEST_F(ClosuresTest, VetoingAWholeSetPutsWhatItHadOutvotedIntoQuarantine) {
   Add(Right("a", 10, "b", 6));
   map_.Optimise();
   for (const int i : {5, 25, 45}) {
-    ASSERT_TRUE(map_.Veto("a/m0:" + std::to_string(i) + ">b/m0:" + std::to_string(i + 3) + "#0")
-                    .ok());
+    ASSERT_TRUE(
+        map_.Veto("a/m0:" + std::to_string(i) + ">b/m0:" + std::to_string(i + 3) + "#0").ok());
   }
   auto snapshot = map_.Optimise();
   EXPECT_THAT(Verdicts(*snapshot, 3), ElementsAre("quarantined"));
@@ -225,8 +225,7 @@ TEST_F(ClosuresTest, CandidatesThatFailOnTheirFiguresStayListedAndDoNotVote) {
   for (const int i : {5, 25, 45}) Add(Right("a", i, "b", i + 3));
   const auto clean = map_.Optimise();
   for (const int i : {1, 11, 21, 31}) {
-    LoopCandidate candidate =
-        CandidateOf(Elsewhere("a", i, "b", i + 3, Planar(25, -10, 1.5)));
+    LoopCandidate candidate = CandidateOf(Elsewhere("a", i, "b", i + 3, Planar(25, -10, 1.5)));
     candidate.registration = RegistrationFigures{true, 0.9, 0.6, 0.2, 0.15, 0};
     ASSERT_TRUE(map_.AddCandidate(candidate).ok());
   }
@@ -253,8 +252,8 @@ TEST_F(ClosuresTest, ADemotedClosureSaysSinceWhenAndTheHistoryThatItWasDropped) 
   ASSERT_EQ(ToString(snapshot->closures[0].verdict), "accepted") << Reason(snapshot->closures[0]);
   for (const int i : {0, 1, 2}) Add(Right("a", 58 - i, "a", i));
   snapshot = map_.Optimise();
-  EXPECT_THAT(Verdicts(*snapshot), ElementsAre("demoted_by_optimiser", "accepted", "accepted",
-                                               "accepted"));
+  EXPECT_THAT(Verdicts(*snapshot),
+              ElementsAre("demoted_by_optimiser", "accepted", "accepted", "accepted"));
   EXPECT_EQ(snapshot->closures[0].since_revision, 2u);
   EXPECT_EQ(snapshot->closures[0].weight, 0);
   EXPECT_GT(snapshot->closures[0].chi_square, 22.46);
@@ -334,8 +333,8 @@ TEST_F(ScoredPairsTest, TheyDoNotKeepMissionsJoinedWhenTheMeasuredClosuresAreVet
   Add(RightPairs());
   EXPECT_THAT(Verdicts(*map_.Optimise()), Each("accepted"));
   for (const int i : {5, 25, 45}) {
-    ASSERT_TRUE(map_.Veto("a/m0:" + std::to_string(i) + ">b/m0:" + std::to_string(i + 3) + "#0")
-                    .ok());
+    ASSERT_TRUE(
+        map_.Veto("a/m0:" + std::to_string(i) + ">b/m0:" + std::to_string(i + 3) + "#0").ok());
   }
   const auto snapshot = map_.Optimise();
   EXPECT_FALSE(snapshot->missions[1].anchored);

@@ -57,8 +57,8 @@ TEST(DescribeRevision, TheFirstTakesEverythingIntoUseAndMovesNothing) {
   EXPECT_EQ(record.anchored_missions, 1);
   EXPECT_EQ(record.components, 2);
   EXPECT_EQ(record.keyframes, 5);
-  EXPECT_THAT(record.verdicts, UnorderedElementsAre(Pair(kAccepted, 1), Pair(kDemoted, 1),
-                                                    Pair(kForced, 1)));
+  EXPECT_THAT(record.verdicts,
+              UnorderedElementsAre(Pair(kAccepted, 1), Pair(kDemoted, 1), Pair(kForced, 1)));
   EXPECT_THAT(record.accepted, ElementsAre("p", "r"));
   EXPECT_THAT(record.dropped, IsEmpty());
   EXPECT_EQ(record.cost_before, 5);

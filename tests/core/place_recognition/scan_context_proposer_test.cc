@@ -80,9 +80,9 @@ TEST(ScanContextProposer, GuessesTheRotationBetweenTiltedBodies) {
   proposer.Propose(view(Node("a", 0), map_from_a));
   const auto candidates = proposer.Propose(view(Node("b", 0), map_from_b));
   ASSERT_EQ(candidates.size(), 1u);
-  EXPECT_LT(candidates[0].from_tform_to.rotation.angularDistance(map_from_a.conjugate() *
-                                                                 map_from_b),
-            0.04);
+  EXPECT_LT(
+      candidates[0].from_tform_to.rotation.angularDistance(map_from_a.conjugate() * map_from_b),
+      0.04);
   EXPECT_TRUE(candidates[0].from_tform_to.translation.isZero());
 }
 
@@ -91,9 +91,9 @@ TEST(ScanContextProposer, TheVerifierFindsThePoseFromTheGuess) {
   const Rigid3d world_from_a = StandingAt(2, 1, 0.3), world_from_b = StandingAt(1.2, 1.4, 2.9);
   Random random(3);
   const auto view = [&](const NodeId& node, const Rigid3d& world_from_body) {
-    return PlaceView{node, 0, world_from_body.rotation,
-                     std::make_shared<const PointCloud>(
-                         Scan(HallWorld(), world_from_body, Scanner(), random))};
+    return PlaceView{
+        node, 0, world_from_body.rotation,
+        std::make_shared<const PointCloud>(Scan(HallWorld(), world_from_body, Scanner(), random))};
   };
   const PlaceView a = view(Node("a", 0), world_from_a), b = view(Node("b", 0), world_from_b);
   ScanContextProposer proposer({});
