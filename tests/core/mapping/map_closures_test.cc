@@ -242,6 +242,16 @@ TEST_F(ClosuresTest, CandidatesThatFailOnTheirFiguresStayListedAndDoNotVote) {
   }
 }
 
+TEST_F(ClosuresTest, FiguresCountForACandidateThatCameBeforeItsKeyframes) {
+  LoopCandidate candidate = CandidateOf(Right("a", 5, "b", 8));
+  candidate.registration = RegistrationFigures{true, 0.3, 0.6, 0.1, 0.15, 0};
+  AddMissions({"a"});
+  ASSERT_TRUE(map_.AddCandidate(candidate).ok());
+  EXPECT_THAT(Verdicts(*map_.Optimise()), ElementsAre("pending"));
+  AddMissions({"b"});
+  EXPECT_THAT(Verdicts(*map_.Optimise()), ElementsAre("rejected_overlap"));
+}
+
 // Within one mission: alone it fits what the odometry allows; three better ones say otherwise.
 TEST_F(ClosuresTest, ADemotedClosureSaysSinceWhenAndTheHistoryThatItWasDropped) {
   AddMissions({"a"});

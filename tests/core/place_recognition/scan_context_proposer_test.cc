@@ -184,6 +184,14 @@ TEST(ScanContextProposer, TheMostSimilarPlaceIsNotThePlaceItselfNorItsNeighbours
   EXPECT_EQ(proposer.MostSimilar(Node("a", 0))->from, Node("a", 2));
 }
 
+TEST(ScanContextProposer, WhereAnyWayBackCountsThePlaceIsStillNotItsOwnNeighbour) {
+  ScanContextProposerOptions options;
+  options.min_loop_length_m = 0;
+  ScanContextProposer proposer(options);
+  proposer.Propose(View(Node("a", 0), 0, 1));
+  EXPECT_FALSE(proposer.MostSimilar(Node("a", 0)).has_value());
+}
+
 TEST(ScanContextProposer, AViewWithoutPointsIsLikeNothing) {
   ScanContextProposer proposer({});
   proposer.Propose(View(Node("a", 0), 0, 1));
