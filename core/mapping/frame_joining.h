@@ -42,8 +42,8 @@ FrameAlignment AlignFrames(const std::vector<FrameTie>& ties, const std::vector<
 // The alignment that most points agree with, by random samples of two (rotation about z only:
 // most odometry knows where gravity points) and, when clearly more agree, of three (any rotation);
 // refined over those that agree. Fischler & Bolles, CACM 24(6), 1981. Absent: fewer than three
-// agree, or they lie within too small a region to tell the rotation. The same points give the same
-// result.
+// agree, or they lie too near one place (or one vertical; for any rotation: one line) to tell the
+// rotation. The same points give the same result.
 std::optional<FrameAlignment> AlignPoints(const std::vector<PointTie>& points);
 
 }  // namespace overtone

@@ -58,10 +58,11 @@ absl::string_view ToString(ClosureVerdict verdict) {
 }
 
 ClosureVerdict JudgeFigures(const LoopCandidate& candidate) {
-  if (candidate.score < candidate.score_threshold) return ClosureVerdict::kRejectedScore;
+  // Written so that NaN fails.
+  if (!(candidate.score >= candidate.score_threshold)) return ClosureVerdict::kRejectedScore;
   if (!candidate.registration.has_value()) return ClosureVerdict::kPending;
   const RegistrationFigures& figures = *candidate.registration;
-  if (!figures.converged || figures.overlap < figures.overlap_threshold) {
+  if (!figures.converged || !(figures.overlap >= figures.overlap_threshold)) {
     return ClosureVerdict::kRejectedOverlap;
   }
   if (!(figures.residual_m <= figures.residual_limit_m)) return ClosureVerdict::kRejectedResidual;

@@ -261,8 +261,11 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
     // stands.
     return state.Freeze(PoseGraphResult());
   }
-  if (state.DemotesBetweenMissions(*result, problem)) {
-    state.ReconsiderAlignments(problem, *result);
+  if (state.Demotes(/*between_missions=*/true, *result, problem)) {
+    state.Reconsider(State::Shapes::kPresent, problem, *result);
+  }
+  if (state.Demotes(/*between_missions=*/false, *result, problem)) {
+    state.Reconsider(State::Shapes::kOfOdometry, problem, *result);
   }
   state.TakeResult(*result, problem);
   state.SplitFrames();

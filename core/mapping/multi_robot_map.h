@@ -79,7 +79,8 @@ class MultiRobotMap {
   // its verdict, for those who ask.
   absl::Status AddCandidate(const LoopCandidate& candidate);
 
-  // A pair that only looks alike, and that nobody can measure: used as a weak tie of positions.
+  // A pair that only looks alike, and that nobody can measure: used as a weak tie of positions
+  // where its ends share a frame already; it joins no frames.
   absl::Status AddScoredCandidate(const ScoredCandidate& candidate);
 
   // An operator's word on a candidate. NotFound: no such id. Force: FailedPrecondition when it has
@@ -88,8 +89,8 @@ class MultiRobotMap {
   absl::Status Force(const std::string& id);
 
   // Vetoes every closure in use that was not in use at `revision` of this epoch, lifts vetoes from
-  // those that were, and starts `new_epoch`. Gives the number of closures vetoed. NotFound: the
-  // revision is not kept.
+  // those that were (forcing again those whose figures would keep them out), and starts
+  // `new_epoch`. Gives the number of closures vetoed. NotFound: the revision is not kept.
   absl::StatusOr<int64_t> RollBack(uint64_t revision, uint64_t new_epoch);
 
   // True when something was added or decided since the last Optimise.

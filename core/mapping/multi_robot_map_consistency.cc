@@ -44,11 +44,12 @@ InterMissionClosure From(const LoopCandidate& candidate, bool reversed) {
 }  // namespace
 
 // Wants a say in the consistency of its two missions: all but those that figures or an operator
-// have decided.
+// have decided, and those that leave the rotation open. A loop through one of these is uncertain by
+// as much as it is long, so they agree with anything.
 bool MultiRobotMap::State::TakesPartInConsistency(int closure) const {
   const ClosureRecord& record = closures[closure];
   if (!BetweenMissions(record) || record.verdict == ClosureVerdict::kForcedByOperator) return false;
-  if (IsWeak(record.candidate)) return false;
+  if (IsWeak(record.candidate) || RotationIsOpen(record.candidate.covariance)) return false;
   return InPlay(closure) || record.verdict == ClosureVerdict::kRejectedInconsistent;
 }
 
@@ -89,17 +90,25 @@ void MultiRobotMap::State::JudgeConsistency() {
     consistency.erase(pair);
     for (const int k : closures_of_missions[pair]) consistency_row[k] = -1;
   }
-  bool lost = false;
+  bool lost = !changed.empty();
+  std::vector<int> regained;
   for (const auto& [pair, closures_of_pair] : closures_of_missions) {
-    if (!closures_of_pair.empty()) lost |= JudgePair(pair, closures_of_pair);
+    if (!closures_of_pair.empty()) lost |= JudgePair(pair, closures_of_pair, regained);
   }
-  // What held two missions together may be gone: they are aligned afresh by what is left.
+  // What held two missions together may be gone: they are aligned afresh by what is left. What has
+  // come back did not hold them: it has to join them first.
   if (lost) SplitFrames();
+  for (const int k : regained) {
+    SetVerdict(closures[k], ClosureVerdict::kAccepted);
+    closures[k].weight = 1;
+  }
 }
 
-// True when a closure that was in use is so no longer.
+// True when a closure that was in use is so no longer. Those that were not consistent and now are
+// are added to `regained`.
 bool MultiRobotMap::State::JudgePair(const std::pair<int, int>& pair,
-                                     const std::vector<int>& closures_of_pair) {
+                                     const std::vector<int>& closures_of_pair,
+                                     std::vector<int>& regained) {
   PairwiseConsistencyOptions consistency_options;
   consistency_options.chi_square_limit = options.consistency_chi_square_limit;
   const auto [entry, fresh] = consistency.try_emplace(pair, consistency_options);
@@ -120,8 +129,7 @@ bool MultiRobotMap::State::JudgePair(const std::pair<int, int>& pair,
     const bool consistent = consistency_row[k] >= 0 &&
                             std::binary_search(members.begin(), members.end(), consistency_row[k]);
     if (consistent && record.verdict == ClosureVerdict::kRejectedInconsistent) {
-      SetVerdict(record, ClosureVerdict::kAccepted);
-      record.weight = 1;
+      regained.push_back(k);
     } else if (!consistent && record.verdict != ClosureVerdict::kRejectedInconsistent) {
       lost |= record.verdict == ClosureVerdict::kAccepted;
       SetVerdict(record, ClosureVerdict::kRejectedInconsistent);

@@ -43,7 +43,9 @@ absl::StatusOr<int64_t> MultiRobotMap::RollBack(uint64_t revision, uint64_t new_
     const bool used_then = in_use_then.count(state.closures[k].id) > 0;
     State::Decision& decision = state.decisions[k];
     if (used_then && decision == State::Decision::kVetoed) {
-      decision = State::Decision::kNone;
+      // What its figures keep out was in use by an operator's word.
+      const bool fits = JudgeFigures(state.closures[k].candidate) == ClosureVerdict::kPending;
+      decision = fits ? State::Decision::kNone : State::Decision::kForced;
     } else if (!used_then && InUse(state.closures[k].verdict)) {
       decision = State::Decision::kVetoed;
       ++vetoed;

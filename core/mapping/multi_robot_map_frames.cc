@@ -41,7 +41,8 @@ FrameTie MultiRobotMap::State::TieOf(const LoopCandidate& candidate) const {
           from_older.covariance.inverse()};
 }
 
-// Closures demoted earlier have a say too, but do not join frames by themselves.
+// Closures demoted earlier have a say too, but do not join frames by themselves. Pairs that only
+// look alike have none: of a dozen wrong ones three agree by chance.
 void MultiRobotMap::State::AddClosureTies(Joining joining, TiesOfFrames& ties_of_frames) const {
   std::map<std::pair<int, int>, std::set<std::pair<NodeId, NodeId>>> ends_of_missions;
   for (int k = 0; k < static_cast<int>(closures.size()); ++k) {
@@ -49,7 +50,7 @@ void MultiRobotMap::State::AddClosureTies(Joining joining, TiesOfFrames& ties_of
     const ClosureRecord& record = closures[k];
     const LoopCandidate& candidate = record.candidate;
     const int from = FrameOf(candidate.from), to = FrameOf(candidate.to);
-    if (from == to) continue;
+    if (from == to || candidate.proposer == LoopEvidence::kRobotScore) continue;
     Ties& ties = ties_of_frames[InOrder(from, to)];
     if (RotationIsOpen(candidate.covariance)) {
       const Eigen::Matrix3d covariance = candidate.covariance.topLeftCorner<3, 3>();
@@ -66,6 +67,7 @@ void MultiRobotMap::State::AddClosureTies(Joining joining, TiesOfFrames& ties_of
     }
     ties.may_join = true;
     ties.certain |= record.verdict == ClosureVerdict::kForcedByOperator;
+    if (RotationIsOpen(candidate.covariance)) continue;
     auto& ends = ends_of_missions[InOrder(PositionOf(candidate.from), PositionOf(candidate.to))];
     ends.insert({candidate.from, candidate.to});
     ties.support = std::max(ties.support, static_cast<int>(ends.size()));
@@ -216,6 +218,7 @@ void MultiRobotMap::State::SplitFrames() {
     if (!InUse(record.verdict) || !TiesMissions(record)) continue;
     const LoopCandidate& candidate = record.candidate;
     if (FrameOf(candidate.from) != FrameOf(candidate.to)) continue;  // not aligned yet
+    if (candidate.proposer == LoopEvidence::kRobotScore) continue;   // would not have joined them
     components.Unite(element_of(candidate.from), element_of(candidate.to));
   }
   for (const SightingRecord& sighting : sightings) {

@@ -58,11 +58,13 @@ absl::StatusOr<PoseGraphResult> MultiRobotMap::State::Solve(const MapProblem& pr
   return OptimizePoseGraph(problem.graph, solver);
 }
 
-// True when a closure between missions that was in use up to now loses its weight.
-bool MultiRobotMap::State::DemotesBetweenMissions(const PoseGraphResult& result,
-                                                  const MapProblem& problem) const {
+// True when a closure that was in use up to now, or is new, loses its weight: one between missions,
+// or one within a mission.
+bool MultiRobotMap::State::Demotes(bool between_missions, const PoseGraphResult& result,
+                                   const MapProblem& problem) const {
   for (size_t k = 0; k < closures.size(); ++k) {
-    if (closures[k].verdict == ClosureVerdict::kAccepted && BetweenMissions(closures[k]) &&
+    if (closures[k].verdict == ClosureVerdict::kAccepted &&
+        BetweenMissions(closures[k]) == between_missions &&
         result.weights[problem.edge_of_closure[k]] < kDemotedBelowWeight) {
       return true;
     }
@@ -85,12 +87,13 @@ double MultiRobotMap::State::TruncatedCost(const MapProblem& problem,
   return cost;
 }
 
-// A wrong closure that came first decided how two missions were aligned, and every right one since
-// has to prove itself against that. So when closures between missions contradict each other, the
-// missions, each as it is now, are also aligned afresh by the votes of all closures; whichever
-// start ends at the lower cost wins. Where the result already uses the closures that win the votes,
-// it would only be found again.
-void MultiRobotMap::State::ReconsiderAlignments(MapProblem problem, PoseGraphResult& result) {
+// A wrong closure that came first decided how two missions were aligned, or bent the one it is in,
+// and every right one since has to prove itself against that. So when closures contradict each
+// other, the missions are also aligned afresh by the votes of all closures, each mission with the
+// shape that it has now or that odometry gave it; whichever start ends at the lower cost wins.
+// Where the result already uses the closures that win the votes on the present shapes, it would
+// only be found again.
+void MultiRobotMap::State::Reconsider(Shapes shapes, MapProblem problem, PoseGraphResult& result) {
   const std::vector<SnapshotMission> current_missions = missions;
   const auto current_landmarks = landmarks;
   const auto give_up = [&] {
@@ -102,10 +105,12 @@ void MultiRobotMap::State::ReconsiderAlignments(MapProblem problem, PoseGraphRes
   for (int m = 0; m < static_cast<int>(missions.size()); ++m) {
     if (missions[m].component != kWorld) missions[m].component = m;
   }
+  if (shapes == Shapes::kOfOdometry) Unbend();
   const std::vector<int> aligning = JoinFrames(Joining::kAll);
-  const bool in_use = std::all_of(aligning.begin(), aligning.end(), [&](int k) {
-    return k < 0 || result.weights[problem.edge_of_closure[k]] >= kDemotedBelowWeight;
-  });
+  const bool in_use =
+      shapes == Shapes::kPresent && std::all_of(aligning.begin(), aligning.end(), [&](int k) {
+        return k < 0 || result.weights[problem.edge_of_closure[k]] >= kDemotedBelowWeight;
+      });
   if (in_use) return give_up();
   problem = BuildProblem();
   // Only where the same measurements take part are the costs of the two starts comparable.
@@ -118,6 +123,17 @@ void MultiRobotMap::State::ReconsiderAlignments(MapProblem problem, PoseGraphRes
     result = *afresh;
   } else {
     give_up();
+  }
+}
+
+// Every mission as by odometry from where its first keyframe is.
+void MultiRobotMap::State::Unbend() {
+  for (SnapshotMission& mission : missions) {
+    const Rigid3d map_from_mission =
+        mission.map_from_body.front() * mission.keyframes.front().mission_from_body.Inverse();
+    for (size_t i = 1; i < mission.keyframes.size(); ++i) {
+      mission.map_from_body[i] = map_from_mission * mission.keyframes[i].mission_from_body;
+    }
   }
 }
 

@@ -110,7 +110,8 @@ struct MultiRobotMap::State {
   void JudgeAgainstOdometry();
   void JudgeWeakClosures();
   void JudgeConsistency();
-  bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair);
+  bool JudgePair(const std::pair<int, int>& pair, const std::vector<int>& closures_of_pair,
+                 std::vector<int>& regained);
 
   // Everything that ties two frames.
   struct Ties {
@@ -144,8 +145,11 @@ struct MultiRobotMap::State {
   void AddAbsolutes(MapProblem& problem) const;
   void AddSightings(MapProblem& problem);
   absl::StatusOr<PoseGraphResult> Solve(const MapProblem& problem, bool warm) const;
-  bool DemotesBetweenMissions(const PoseGraphResult& result, const MapProblem& problem) const;
-  void ReconsiderAlignments(MapProblem problem, PoseGraphResult& result);
+  bool Demotes(bool between_missions, const PoseGraphResult& result,
+               const MapProblem& problem) const;
+  enum class Shapes { kPresent, kOfOdometry };
+  void Reconsider(Shapes shapes, MapProblem problem, PoseGraphResult& result);
+  void Unbend();
   double TruncatedCost(const MapProblem& problem, const PoseGraphResult& result) const;
   void TakeResult(const PoseGraphResult& result, const MapProblem& problem);
   void SetVerdict(ClosureRecord& record, ClosureVerdict verdict) const;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <random>
 
+#include "Eigen/Eigenvalues"
 #include "overtone/core/geometry/rigid_alignment.h"
 #include "overtone/core/mapping/frame_joining.h"
 
@@ -12,7 +14,7 @@ constexpr size_t kMaxPoints = 1000;  // of more, an even sample
 constexpr int kSamples = 500;
 constexpr int kMinAgreeing = 3;
 constexpr int kRefinements = 3;
-// Extent of the agreeing points over their tolerance, below which the rotation is a guess.
+// Lever arm of the agreeing points over their tolerance, below which the rotation is a guess.
 constexpr double kMinExtentInTolerances = 2;
 // How many more must agree before a frame counts as tilted.
 constexpr double kTiltFactor = 1.3;
@@ -40,17 +42,26 @@ Points Agreeing(const Points& points, const Rigid3d& older_from_younger) {
   return agreeing;
 }
 
-// Root mean square distance from the centroid, in mean tolerances.
-double Extent(const Points& points) {
+// The lever arm of the rotation that the points tell least, in mean tolerances: their root mean
+// square distance from the vertical through their centroid or, for any rotation, from the line that
+// comes nearest to them all.
+double Extent(const Points& points, AlignmentMode mode) {
+  const double n = static_cast<double>(points.size());
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   double tolerance = 0;
   for (const PointTie& point : points) {
-    centroid += point.point_in_older / static_cast<double>(points.size());
-    tolerance += point.tolerance_m / static_cast<double>(points.size());
+    centroid += point.point_in_older / n;
+    tolerance += point.tolerance_m / n;
   }
-  double square = 0;
-  for (const PointTie& point : points) square += (point.point_in_older - centroid).squaredNorm();
-  return std::sqrt(square / static_cast<double>(points.size())) / tolerance;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const PointTie& point : points) {
+    const Eigen::Vector3d offset = point.point_in_older - centroid;
+    scatter += offset * offset.transpose() / n;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter, Eigen::EigenvaluesOnly);
+  const double along =
+      mode == AlignmentMode::kYawOnly ? scatter(2, 2) : eigen.eigenvalues().maxCoeff();
+  return std::sqrt(std::max(0.0, scatter.trace() - along)) / tolerance;
 }
 
 std::optional<FrameAlignment> BestBySamples(const Points& points, AlignmentMode mode) {
@@ -73,7 +84,7 @@ std::optional<FrameAlignment> BestBySamples(const Points& points, AlignmentMode 
     }
     const int count = static_cast<int>(agreeing.size());
     if (count < kMinAgreeing || count <= best.points) continue;
-    if (Extent(agreeing) < kMinExtentInTolerances) continue;
+    if (Extent(agreeing, mode) < kMinExtentInTolerances) continue;
     best.older_from_younger = *alignment;
     best.points = count;
   }

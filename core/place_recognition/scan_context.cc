@@ -94,9 +94,6 @@ absl::Status ScanContextOptions::Validate() const {
   if (!(min_common_share >= 0 && min_common_share <= 1)) {
     return absl::InvalidArgumentError("min_common_share is not in [0, 1]");
   }
-  if (!(proposal_threshold >= 0 && proposal_threshold <= 1)) {
-    return absl::InvalidArgumentError("proposal_threshold is not in [0, 1]");
-  }
   return absl::OkStatus();
 }
 

@@ -26,10 +26,6 @@ struct ScanContextOptions {
   int sectors = 60;         // 6 degrees
   // Sectors that both have seen, as a share of what the one that saw less has.
   double min_common_share = 0.5;
-  // From this similarity on a match is worth a closer look. On real data (public_places_test,
-  // gathered) 0.6 keeps nine in ten of the revisits found without any, at 3 to 4 proposals a query
-  // of the best 5; 0.7 halves the proposals and loses a third of the revisits.
-  double proposal_threshold = 0.6;
 
   absl::Status Validate() const;
 };

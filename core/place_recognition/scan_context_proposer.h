@@ -14,12 +14,17 @@ namespace overtone {
 
 struct ScanContextProposerOptions {
   ScanContextOptions context;
+  // From this similarity on a match is worth a closer look. On real data (public_places_test,
+  // gathered) 0.6 keeps nine in ten of the revisits found without any, at 3 to 4 proposals a query
+  // of the best 5; 0.7 halves the proposals and loses a third of the revisits.
   double min_similarity = 0.6;
   // Of each view, to be measured.
   int max_candidates = 3;
   // Two places of one mission are different ones when the way between them is longer.
   double min_separation_m = 2;
-  // The mission's own way back to a place must be longer to count as a loop.
+  // The mission's own way back to a place must be at least so long to count as a loop. Longer than
+  // the way whose clouds are gathered into a view (cloud_gathering.h): two views that share a
+  // keyframe are alike for that alone.
   double min_loop_length_m = 10;
   // That are compared in full.
   int max_comparisons = 50;

@@ -9,6 +9,7 @@
 
 #include "gtest/gtest.h"
 #include "overtone/core/place_recognition/scan_context_index.h"
+#include "overtone/core/place_recognition/scan_context_proposer.h"
 #include "overtone/tests/core/place_recognition/public_scans.h"
 
 namespace overtone {
@@ -129,7 +130,7 @@ Figures Report(const std::string& name, const PublicScans& scans, double length_
         "%.2f)  %.1f a query  yaw: median %4.1f deg, < 15 deg %.2f\n",
         name.c_str(), length_m, threshold, row.revisits, row.recall, row.recall_near, row.precision,
         row.precision_6m, row.a_query, row.median_yaw_deg, row.yaw_below_15);
-    if (threshold == ScanContextOptions().proposal_threshold) at_default = row;
+    if (threshold == ScanContextProposerOptions().min_similarity) at_default = row;
   }
   std::printf("%-6s %4.0f m  recall of %d candidates %.3f, of comparing all %.3f\n", name.c_str(),
               length_m, kCandidates, Count(queries, 0).recall, exhaustive.recall);

@@ -31,7 +31,6 @@ TEST(ScanContextOptions, DefaultsAreValidAndNonsenseIsNot) {
   EXPECT_TRUE(refused([](auto& o) { o.rings = 31; }));
   EXPECT_TRUE(refused([](auto& o) { o.sectors = 3; }));
   EXPECT_TRUE(refused([](auto& o) { o.min_common_share = std::nan(""); }));
-  EXPECT_TRUE(refused([](auto& o) { o.proposal_threshold = 1.1; }));
 }
 
 TEST(ScanContext, APointGoesToItsRingAndLeaksIntoTheTwoBeside) {
