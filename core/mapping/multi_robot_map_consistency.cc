@@ -144,8 +144,9 @@ void MultiRobotMap::State::JudgeWeakClosures() {
   for (int k = 0; k < static_cast<int>(closures.size()); ++k) {
     ClosureRecord& record = closures[k];
     const bool judged = InPlay(k) || record.verdict == ClosureVerdict::kRejectedDegenerate;
-    if (!judged || TiesMissions(record)) continue;
     const LoopCandidate& candidate = record.candidate;
+    if (!judged || !IsWeak(candidate) || record.verdict == ClosureVerdict::kForcedByOperator)
+      continue;
     if (JudgeFigures(candidate) != ClosureVerdict::kPending) continue;
     if (FrameOf(candidate.from) != FrameOf(candidate.to)) continue;  // for the quarantine
     const Rigid3d expected = PoseOf(candidate.from)->Inverse() * *PoseOf(candidate.to);

@@ -50,7 +50,7 @@ void MultiRobotMap::State::AddClosureTies(Joining joining, TiesOfFrames& ties_of
     const ClosureRecord& record = closures[k];
     const LoopCandidate& candidate = record.candidate;
     const int from = FrameOf(candidate.from), to = FrameOf(candidate.to);
-    if (from == to || candidate.proposer == LoopEvidence::kRobotScore) continue;
+    if (from == to) continue;
     Ties& ties = ties_of_frames[InOrder(from, to)];
     if (RotationIsOpen(candidate.covariance)) {
       const Eigen::Matrix3d covariance = candidate.covariance.topLeftCorner<3, 3>();
@@ -218,7 +218,6 @@ void MultiRobotMap::State::SplitFrames() {
     if (!InUse(record.verdict) || !TiesMissions(record)) continue;
     const LoopCandidate& candidate = record.candidate;
     if (FrameOf(candidate.from) != FrameOf(candidate.to)) continue;  // not aligned yet
-    if (candidate.proposer == LoopEvidence::kRobotScore) continue;   // would not have joined them
     components.Unite(element_of(candidate.from), element_of(candidate.to));
   }
   for (const SightingRecord& sighting : sightings) {

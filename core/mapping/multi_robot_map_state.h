@@ -98,8 +98,11 @@ struct MultiRobotMap::State {
   }
   // Measured, both ends known, and neither figures nor operator against it.
   bool InPlay(int closure) const;
-  bool TiesMissions(const ClosureRecord& record) const {
-    return record.verdict == ClosureVerdict::kForcedByOperator || !IsWeak(record.candidate);
+  // May join frames and keep them joined. One corridor is like another, and what only looks alike
+  // even more so: these hold together what others have joined.
+  static bool TiesMissions(const ClosureRecord& record) {
+    return record.verdict == ClosureVerdict::kForcedByOperator ||
+           (!IsWeak(record.candidate) && record.candidate.proposer != LoopEvidence::kRobotScore);
   }
 
   // Before the optimisation.

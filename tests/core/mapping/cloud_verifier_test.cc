@@ -55,8 +55,8 @@ TEST(CloudVerifierOptions, DefaultsAreValidAndNonsenseIsNamed) {
     return std::string(options.Validate().message());
   };
   using testing::HasSubstr;
-  EXPECT_THAT(message([](auto& o) { o.min_overlap = 1.1; }), HasSubstr("min_overlap"));
-  EXPECT_THAT(message([](auto& o) { o.max_residual_m = std::nan(""); }),
+  EXPECT_THAT(message([](auto& o) { o.required.min_overlap = 1.1; }), HasSubstr("min_overlap"));
+  EXPECT_THAT(message([](auto& o) { o.required.max_residual_m = std::nan(""); }),
               HasSubstr("max_residual_m"));
   EXPECT_THAT(message([](auto& o) { o.max_translation_m = 0; }), HasSubstr("max_translation_m"));
   EXPECT_THAT(message([](auto& o) { o.registration.voxel_sizes_m = {}; }),
@@ -75,8 +75,9 @@ TEST(CloudVerifier, MeasuresARevisitedPlaceWithinCentimetres) {
   ASSERT_TRUE(candidate.registration.has_value());
   EXPECT_TRUE(candidate.registration->converged);
   EXPECT_EQ(candidate.registration->open_directions, 0);
-  EXPECT_EQ(candidate.registration->overlap_threshold, CloudVerifierOptions().min_overlap);
-  EXPECT_EQ(candidate.registration->residual_limit_m, CloudVerifierOptions().max_residual_m);
+  EXPECT_EQ(candidate.registration->overlap_threshold, CloudVerifierOptions().required.min_overlap);
+  EXPECT_EQ(candidate.registration->residual_limit_m,
+            CloudVerifierOptions().required.max_residual_m);
   EXPECT_EQ(JudgeFigures(candidate), ClosureVerdict::kPending);
   // As honest as 99.9 % of right ones.
   EXPECT_LT(error.dot(candidate.covariance.inverse() * error), 22.46);
@@ -105,7 +106,8 @@ TEST(CloudVerifier, ACorridorIsMeasuredButForItsAxis) {
   EXPECT_GT(std::sqrt(axis_in_to.dot(covariance * axis_in_to)), 10);
   // Across it, were the rest known: an axis milliradians askew turns its 100 m into decimetres.
   const Eigen::Matrix3d information = candidate.covariance.inverse().topLeftCorner<3, 3>();
-  for (const Eigen::Vector3d& across : {Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()}) {
+  for (const int axis : {1, 2}) {
+    const Eigen::Vector3d across = Eigen::Vector3d::Unit(axis);
     const Eigen::Vector3d direction = candidate.from_tform_to.rotation.conjugate() * across;
     EXPECT_LT(1 / std::sqrt(direction.dot(information * direction)), 0.05);
   }
