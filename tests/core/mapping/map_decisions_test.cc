@@ -106,6 +106,29 @@ TEST_F(DecisionsTest, RollingBackBeforeAVetoLiftsIt) {
   EXPECT_LT(Distance(*good_, *snapshot), 1e-3);
 }
 
+// Left to the checks, the closure would not be used again.
+TEST_F(DecisionsTest, RollingBackToAForcedClosureForcesItAgain) {
+  LoopCandidate candidate = CandidateOf(
+      MakeClosure({Mission("a"), 20}, {Mission("a"), 0}, truth_[20].Inverse() * truth_[0]));
+  candidate.registration = RegistrationFigures{true, 0.2, 0.6, 0.05, 0.1, 0};
+  ASSERT_TRUE(map_.AddCandidate(candidate).ok());
+  ASSERT_TRUE(map_.Force("a/m0:20>a/m0:0#0").ok());
+  const auto forced = map_.Optimise();
+  ASSERT_TRUE(map_.Veto("a/m0:20>a/m0:0#0").ok());
+  ASSERT_TRUE(map_.Veto("a/m0:20>a/m0:0#0").ok());
+  map_.Optimise();
+  ASSERT_TRUE(map_.RollBack(forced->revision, 77).ok());
+  EXPECT_EQ(ToString(map_.Optimise()->closures[2].verdict), "forced_by_operator");
+}
+
+TEST_F(DecisionsTest, RollingBackUndoesWhatNoRevisionHasSeenYet) {
+  ASSERT_TRUE(map_.Veto("a/m0:30>a/m0:0#0").ok());
+  const auto without = map_.Optimise();
+  ASSERT_TRUE(map_.Force("a/m0:30>a/m0:0#0").ok());
+  EXPECT_EQ(*map_.RollBack(without->revision, 77), 1);
+  EXPECT_EQ(ToString(map_.Optimise()->closures[1].verdict), "vetoed_by_operator");
+}
+
 TEST_F(DecisionsTest, AWordOnNothingIsRefused) {
   EXPECT_EQ(map_.Veto("a/m0:1>a/m0:0#0").code(), absl::StatusCode::kNotFound);
   EXPECT_EQ(map_.Force("").code(), absl::StatusCode::kNotFound);
