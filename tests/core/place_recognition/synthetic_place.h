@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "Eigen/Geometry"
 #include "overtone/core/graph/point_cloud.h"
 
 namespace overtone {

@@ -121,7 +121,7 @@ class ClosureAdminTest : public ServerTest {
     request.set_map("mine");
     *request.mutable_mission() = ToProto(kAnna);
     const auto response = Call<v1::GetTrajectoryResponse>(&Stub::GetTrajectory, request);
-    return response.nodes(response.nodes_size() - 1).map_tform_body().translation().x();
+    return response.nodes(response.nodes_size() - 1).map_tform_body().position().x();
   }
 };
 
@@ -221,7 +221,8 @@ TEST_F(ClosureAdminTest, APlaceIsExplainedByTheCandidateThatCameFurthest) {
               AllOf(HasSubstr("There is no loop within 0.2 m of anna/run1:16: 1 were proposed"),
                     HasSubstr("rejected_score: similarity 0.30 is below 0.50")));
   EXPECT_THAT(Explain({kAnna, 18}, 0.2).explanation(), HasSubstr("demoted_by_optimiser"));
-  EXPECT_EQ(Explain({kAnna, 19}, 0).candidates_size(), 4);  // 5 m: keyframes 9 to 19
+  EXPECT_EQ(Explain({kAnna, 19}, 4).candidates_size(), 4);
+  EXPECT_EQ(Explain({kAnna, 19}, 0).candidates_size(), 5);  // 5 m
 }
 
 TEST_F(ClosureAdminTest, APlaceWithoutCloudsIsExplainedToo) {
@@ -313,10 +314,11 @@ TEST_F(ClosureAdminTest, RevisionsTellNewestFirstWhatTheyChanged) {
     EXPECT_EQ(revisions[i].revision(), revisions.size() - i);
     EXPECT_EQ(revisions[i].map_epoch(), map.map_epoch());
   }
-  EXPECT_THAT(revisions[0].accepted(), IsEmpty());
-  EXPECT_THAT(revisions[0].dropped(), ElementsAre(kWrong));
+  // As long as the wrong one had to be used, the right one contradicted the map.
   EXPECT_THAT(revisions[1].accepted(), ElementsAre(kWrong));
-  EXPECT_THAT(revisions[1].dropped(), IsEmpty());
+  EXPECT_THAT(revisions[1].dropped(), ElementsAre(kRight));
+  EXPECT_THAT(revisions[0].accepted(), ElementsAre(kRight));
+  EXPECT_THAT(revisions[0].dropped(), ElementsAre(kWrong));
   EXPECT_GT(revisions[1].largest_move_m(), 1);
   EXPECT_GT(revisions[0].largest_move_m(), revisions[0].mean_move_m());
   EXPECT_EQ(revisions[0].keyframes(), 27);
@@ -370,7 +372,7 @@ TEST_F(ClosureAdminTest, ARollBackStartsANewEpochWithASnapshotForEveryWatcher) {
   ASSERT_TRUE(Force("mine", kWrong).ok());
   frame = watcher.ReadGraph();
   ASSERT_TRUE(frame.has_delta()) << frame.ShortDebugString();
-  EXPECT_EQ(frame.delta().map_epoch(), answer.map_epoch());
+  EXPECT_EQ(frame.delta().changes().map_epoch(), answer.map_epoch());
   // Revisions of the old epoch are no way back any more.
   const grpc::Status status = RollBack("mine", before.revision());
   EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND) << status.error_message();

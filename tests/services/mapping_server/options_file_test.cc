@@ -8,6 +8,7 @@
 
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
@@ -33,7 +34,7 @@ std::string Spoilt(const std::string& key, const std::string& value) {
   double number = 0;
   if (key == "map.robust") return "none";
   if (value == "true" || value == "false") return value == "true" ? "false" : "true";
-  return absl::SimpleAtod(value, &number) ? absl::StrCat(number + 1) : "spoilt";
+  return absl::SimpleAtod(value, &number) ? absl::StrFormat("%.15g", number + 1) : "spoilt";
 }
 
 // Every key of a file exists, so none is documented in vain; that the documented file sets every
