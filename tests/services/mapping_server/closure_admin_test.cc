@@ -60,6 +60,21 @@ class ClosureAdminTest : public ServerTest {
     Settle("mine");
   }
 
+  // A mission whose first keyframe has a cloud.
+  void UploadCloud(const MissionId& mission, const std::string& blob) {
+    Uploader uploader(*mapping_, "mine", mission);
+    ASSERT_TRUE(uploader.Read().has_ready());
+    ASSERT_TRUE(uploader.Send(MakeSubmapWithClouds(0, 0, 5, {blob})).has_ack());
+    ASSERT_TRUE(uploader.Read().has_want());
+    v1::BlobChunk chunk;
+    chunk.set_sha256(Sha256(blob));
+    chunk.set_data(blob);
+    uploader.Write(chunk);
+    EXPECT_EQ(uploader.Read().blob_result().code(), 0);
+    EXPECT_TRUE(uploader.Close().ok());
+    Settle("mine");
+  }
+
   std::vector<v1::LoopClosureStatus> List(v1::ListLoopClosuresRequest request = {}) {
     request.set_map("mine");
     const auto response = Call<v1::ListLoopClosuresResponse>(&Stub::ListLoopClosures, request);
@@ -210,7 +225,7 @@ TEST_F(ClosureAdminTest, APlaceIsExplainedByTheCandidateThatCameFurthest) {
   // Keyframes are 0.5 m apart.
   const auto used = Explain({kAnna, 15}, 0.6);
   EXPECT_THAT(used.explanation(),
-              AllOf(HasSubstr("There are 1 loop closures in use within 0.6 m of anna/run1:15"),
+              AllOf(HasSubstr("There is 1 loop closure in use within 0.6 m of anna/run1:15"),
                     HasSubstr("anna/run1:15 and anna/run1:3: it fits the map")));
   ASSERT_EQ(used.candidates_size(), 2);
   EXPECT_EQ(used.candidates(0).id(), kRight);
@@ -218,9 +233,10 @@ TEST_F(ClosureAdminTest, APlaceIsExplainedByTheCandidateThatCameFurthest) {
 
   const auto rejected = Explain({kAnna, 16}, 0.2);
   EXPECT_THAT(rejected.explanation(),
-              AllOf(HasSubstr("There is no loop within 0.2 m of anna/run1:16: 1 were proposed"),
+              AllOf(HasSubstr("There is no loop within 0.2 m of anna/run1:16: of 1 proposed"),
                     HasSubstr("rejected_score: similarity 0.30 is below 0.50")));
   EXPECT_THAT(Explain({kAnna, 18}, 0.2).explanation(), HasSubstr("demoted_by_optimiser"));
+  EXPECT_THAT(Explain({kAnna, 12}, 2).explanation(), HasSubstr("There are 2 loop closures in use"));
   EXPECT_EQ(Explain({kAnna, 19}, 4).candidates_size(), 4);
   EXPECT_EQ(Explain({kAnna, 19}, 0).candidates_size(), 5);  // 5 m
 }
@@ -239,20 +255,8 @@ TEST_F(ClosureAdminTest, APlaceThatLooksLikeNoOtherIsToldTheNearestOne) {
   ServerOptions options = TestOptions();
   options.loop_closures.proposer.min_similarity = 0.99;
   StartServer(options);
-  for (const MissionId& mission : {kAnna, kBert}) {
-    const std::string blob = *EncodePointCloud(SyntheticPlace(mission == kAnna ? 1 : 2), {});
-    Uploader uploader(*mapping_, "mine", mission);
-    ASSERT_TRUE(uploader.Read().has_ready());
-    ASSERT_TRUE(uploader.Send(MakeSubmapWithClouds(0, 0, 5, {blob})).has_ack());
-    ASSERT_TRUE(uploader.Read().has_want());
-    v1::BlobChunk chunk;
-    chunk.set_sha256(Sha256(blob));
-    chunk.set_data(blob);
-    uploader.Write(chunk);
-    EXPECT_EQ(uploader.Read().blob_result().code(), 0);
-    EXPECT_TRUE(uploader.Close().ok());
-    Settle("mine");
-  }
+  UploadCloud(kAnna, *EncodePointCloud(SyntheticPlace(1), {}));
+  UploadCloud(kBert, *EncodePointCloud(SyntheticPlace(2), {}));
   const auto response = Explain({kBert, 0}, 0);
   EXPECT_THAT(response.explanation(),
               AllOf(HasSubstr("because nothing was proposed"),
@@ -263,6 +267,17 @@ TEST_F(ClosureAdminTest, APlaceThatLooksLikeNoOtherIsToldTheNearestOne) {
   EXPECT_GT(response.nearest_score(), 0);
   EXPECT_LT(response.nearest_score(), 0.99);
   EXPECT_EQ(response.score_threshold(), 0.99);
+}
+
+TEST_F(ClosureAdminTest, APlaceThatCannotBeComparedWithTheOneItLooksLikeSaysSo) {
+  ServerOptions options = TestOptions();
+  options.loop_closures.proposer.min_similarity = 0.1;
+  StartServer(options);
+  const PointCloud few = SyntheticPlace(1, 0, 0.1);  // for a registration
+  UploadCloud(kAnna, *EncodePointCloud(few, {0.01}));
+  UploadCloud(kBert, *EncodePointCloud(few, {0.02}));
+  EXPECT_THAT(Explain({kBert, 0}, 0).explanation(),
+              AllOf(HasSubstr("looks most like it is anna/run1:0"), HasSubstr("cannot be")));
 }
 
 // The robot cannot send the cloud that would measure the pair.
@@ -359,9 +374,13 @@ TEST_F(ClosureAdminTest, ARollBackStartsANewEpochWithASnapshotForEveryWatcher) {
   ASSERT_TRUE(RollBack("mine", before.revision(), &answer).ok());
   EXPECT_EQ(answer.vetoed(), 1);
   EXPECT_GT(answer.map_epoch(), before.map_epoch());
-  frame = watcher.ReadGraph();
+  uint64_t epoch = 0;
+  do {
+    frame = watcher.ReadGraph();
+    epoch = frame.has_delta() ? frame.delta().changes().map_epoch() : frame.snapshot().map_epoch();
+  } while (epoch == before.map_epoch());
+  EXPECT_EQ(epoch, answer.map_epoch());
   ASSERT_TRUE(frame.has_snapshot()) << frame.ShortDebugString();
-  EXPECT_EQ(frame.snapshot().map_epoch(), answer.map_epoch());
   EXPECT_EQ(Settle("mine").map_epoch(), answer.map_epoch());
   EXPECT_EQ(Closure(kWrong).verdict(), v1::LOOP_CLOSURE_VERDICT_VETOED_BY_OPERATOR);
   EXPECT_NEAR(LastX(), before_x, 1e-3);
