@@ -68,8 +68,8 @@ TEST_F(MetricsTest, EveryMapTellsOfItsNewestRevision) {
     EXPECT_TRUE(uploader.Close().ok());
   }
   Upload("yours", kAnna, 1, 7);
-  WaitForNodes("mine", 20);
-  WaitForNodes("yours", 7);
+  Settle("mine");
+  Settle("yours");
   const std::string answer = Get(server_->metrics_port(), "/metrics");
   EXPECT_THAT(answer, HasSubstr("200 OK"));
   for (const char* line : {
@@ -83,7 +83,7 @@ TEST_F(MetricsTest, EveryMapTellsOfItsNewestRevision) {
            "overtone_missions{map=\"mine\",anchored=\"true\"} 1\n",
            "overtone_missions{map=\"mine\",anchored=\"false\"} 0\n",
            "overtone_revision{map=\"yours\"} 1\n",
-           "overtone_front_end_backlog{map=\"mine\"}",
+           "overtone_front_end_backlog{map=\"mine\"} 0\n",
            "overtone_revision_age_seconds{map=\"mine\"}",
            "overtone_optimisation_seconds{map=\"mine\"}",
        }) {

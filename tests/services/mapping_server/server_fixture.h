@@ -180,7 +180,8 @@ class ServerTest : public ::testing::Test {
 
   // Of a map that is there, when its newest revision holds all that came.
   v1::MapSummary Settle(const std::string& map) {
-    for (;;) {
+    const auto deadline = Deadline();
+    while (std::chrono::system_clock::now() < deadline) {
       const auto response =
           Call<v1::ListMapsResponse>(&v1::MapAdminService::Stub::ListMaps, v1::ListMapsRequest());
       const auto found =
@@ -193,6 +194,8 @@ class ServerTest : public ::testing::Test {
       if (found->front_end_backlog() == 0) return *found;
       std::this_thread::yield();
     }
+    ADD_FAILURE() << "map " << map << " does not come to rest";
+    return v1::MapSummary();
   }
 
   v1::GetUploadStateResponse UploadState(const std::string& map, const MissionId& mission) {
