@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/ascii.h"
 #include "absl/strings/numbers.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
@@ -35,14 +34,19 @@ struct ClosureFlags : AdminFlags {
   uint64_t revision = 0;
 };
 
-// The enum value called PREFIX_NAME.
+// The value of an enum that the command line calls `name`; `name_of` names them all.
 template <typename Enum>
-absl::StatusOr<Enum> ParseName(absl::string_view flag, absl::string_view prefix,
-                               const std::string& name,
-                               bool (*parse)(google::protobuf::ConstStringParam, Enum*)) {
-  Enum value{};
-  if (parse(absl::StrCat(prefix, absl::AsciiStrToUpper(name)), &value)) return value;
-  return absl::InvalidArgumentError(absl::StrCat(flag, ": no ", name));
+absl::StatusOr<Enum> ParseName(absl::string_view flag, const std::string& name,
+                               std::string (*name_of)(Enum)) {
+  std::vector<std::string> names;
+  const auto& values = *google::protobuf::GetEnumDescriptor<Enum>();
+  for (int i = 1; i < values.value_count(); ++i) {  // 0: unspecified
+    const Enum value = static_cast<Enum>(values.value(i)->number());
+    names.push_back(name_of(value));
+    if (names.back() == name) return value;
+  }
+  return absl::InvalidArgumentError(
+      absl::StrCat(flag, ": \"", name, "\" is none of ", absl::StrJoin(names, ", ")));
 }
 
 std::string Figures(const v1::LoopClosureStatus& closure) {
@@ -94,15 +98,11 @@ absl::Status ShowClosures(const ClosureFlags& flags) {
     *request.mutable_mission() = ToProto(mission);
   }
   if (!flags.verdict.empty()) {
-    ASSIGN_OR_RETURN(const auto verdict, ParseName<v1::LoopClosureVerdict>(
-                                             "--verdict", "LOOP_CLOSURE_VERDICT_", flags.verdict,
-                                             v1::LoopClosureVerdict_Parse));
+    ASSIGN_OR_RETURN(const auto verdict, ParseName("--verdict", flags.verdict, VerdictName));
     request.set_verdict(verdict);
   }
   if (!flags.proposer.empty()) {
-    ASSIGN_OR_RETURN(const auto proposer, ParseName<v1::LoopClosureProposer>(
-                                              "--proposer", "LOOP_CLOSURE_PROPOSER_",
-                                              flags.proposer, v1::LoopClosureProposer_Parse));
+    ASSIGN_OR_RETURN(const auto proposer, ParseName("--proposer", flags.proposer, ProposerName));
     request.set_proposer(proposer);
   }
   AdminClient client = flags.Client();

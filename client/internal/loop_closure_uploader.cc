@@ -74,7 +74,10 @@ absl::Status LoopClosureUploader::SendFront() {
   v1::AddLoopClosuresRequest request;
   if (!request.ParseFromString(*batch))
     return absl::DataLossError("a batch in the outbox is damaged");
+  const bool submaps_waiting = outbox_->Level().submaps > 0;  // before the call: they may go up
   const absl::Status status = Call(request);
+  // The batch has overtaken the submap that brings the map into being.
+  if (absl::IsNotFound(status) && submaps_waiting) return status;
   if (IsRetryable(status.code()) || absl::IsCancelled(status)) return status;
   if (!status.ok()) on_refusal_(status);
   outbox_->PopLoopClosures();

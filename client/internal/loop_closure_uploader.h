@@ -19,7 +19,8 @@
 namespace overtone {
 
 // Owns one thread. A batch leaves the outbox when the server has stored it or refused it for good;
-// the server stores a closure once however often it comes, so a lost answer does no harm.
+// the server stores a closure once however often it comes, so a lost answer does no harm. NotFound
+// is for good only when no submap waits any more: a map comes into being with its first one.
 class LoopClosureUploader {
  public:
   // The server refused the oldest batch for good. Called from the uploader's thread.

@@ -15,7 +15,7 @@ void MultiRobotMap::State::ActivateClosures() {
     ClosureVerdict verdict = decided ? ClosureVerdict::kPending : record.verdict;
     const bool ends_known =
         PoseOf(record.candidate.from) != nullptr && PoseOf(record.candidate.to) != nullptr;
-    if (decisions[k] == Decision::kVetoed) {
+    if (IsVetoed(k)) {
       verdict = ClosureVerdict::kVetoedByOperator;
     } else if (!ends_known) {
       verdict = ClosureVerdict::kPending;

@@ -12,7 +12,7 @@ namespace overtone {
 namespace {
 
 // How far from where the map has it a closure with an open direction may lie.
-constexpr double kMaxWeakErrorM = 3;
+constexpr double kMaxWeakErrorM = 5;
 constexpr double kMaxWeakErrorRad = 0.3;
 
 // Chi square, 6 degrees of freedom, of the loop that a closure makes with its mission's odometry.

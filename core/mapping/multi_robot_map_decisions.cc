@@ -15,10 +15,26 @@ absl::Status NoSuchClosure(const std::string& id) {
 
 }  // namespace
 
+void MultiRobotMap::State::Veto(int closure) {
+  const bool forced =
+      decisions[closure] == Decision::kForced || decisions[closure] == Decision::kVetoedAfterForced;
+  decisions[closure] = forced ? Decision::kVetoedAfterForced : Decision::kVetoed;
+}
+
+bool MultiRobotMap::State::IsVetoed(int closure) const {
+  return decisions[closure] == Decision::kVetoed ||
+         decisions[closure] == Decision::kVetoedAfterForced;
+}
+
+bool MultiRobotMap::State::WouldUse(int closure) const {
+  return !IsVetoed(closure) &&
+         (InUse(closures[closure].verdict) || decisions[closure] == Decision::kForced);
+}
+
 absl::Status MultiRobotMap::Veto(const std::string& id) {
   const auto found = state_->closure_of_id.find(id);
   if (found == state_->closure_of_id.end()) return NoSuchClosure(id);
-  state_->decisions[found->second] = State::Decision::kVetoed;
+  state_->Veto(found->second);
   state_->dirty = true;
   return absl::OkStatus();
 }
@@ -39,15 +55,14 @@ absl::StatusOr<int64_t> MultiRobotMap::RollBack(uint64_t revision, uint64_t new_
   State& state = *state_;
   ASSIGN_OR_RETURN(const std::set<std::string> in_use_then, state.history.InUseAt(revision));
   int64_t vetoed = 0;
-  for (size_t k = 0; k < state.closures.size(); ++k) {
+  for (int k = 0; k < static_cast<int>(state.closures.size()); ++k) {
     const bool used_then = in_use_then.count(state.closures[k].id) > 0;
     State::Decision& decision = state.decisions[k];
-    if (used_then && decision == State::Decision::kVetoed) {
-      // What its figures keep out was in use by an operator's word.
-      const bool fits = JudgeFigures(state.closures[k].candidate) == ClosureVerdict::kPending;
-      decision = fits ? State::Decision::kNone : State::Decision::kForced;
-    } else if (!used_then && InUse(state.closures[k].verdict)) {
-      decision = State::Decision::kVetoed;
+    if (used_then && state.IsVetoed(k)) {
+      decision =
+          decision == State::Decision::kVetoed ? State::Decision::kNone : State::Decision::kForced;
+    } else if (!used_then && state.WouldUse(k)) {
+      state.Veto(k);
       ++vetoed;
     }
   }

@@ -60,7 +60,8 @@ struct MapProblem {
 struct MultiRobotMap::State {
   static constexpr int kWorld = -1;
 
-  enum class Decision { kNone, kVetoed, kForced };
+  // A roll-back must know which of the vetoed ones were forced before.
+  enum class Decision { kNone, kForced, kVetoed, kVetoedAfterForced };
 
   MultiRobotMapOptions options;
   uint64_t map_epoch = 0;
@@ -82,6 +83,12 @@ struct MultiRobotMap::State {
   std::map<std::pair<int, std::string>, Eigen::Vector3d> landmarks;  // by frame and id
 
   RevisionHistory history;
+
+  // What an operator said.
+  void Veto(int closure);
+  bool IsVetoed(int closure) const;
+  // In use, or forced since the last revision.
+  bool WouldUse(int closure) const;
 
   // What comes in.
   void AppendKeyframes(const Submap& submap, int position);

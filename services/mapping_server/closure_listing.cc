@@ -111,9 +111,14 @@ std::string WhyNotProposed(const std::optional<LoopCandidate>& nearest) {
   if (!nearest.has_value()) {
     return "no cloud of this keyframe was looked at, or there is no other place to compare it with";
   }
-  return absl::StrFormat(
-      "the place that looks most like it is %s, with similarity %.2f; %.2f are needed",
-      ToString(nearest->from), nearest->score, nearest->score_threshold);
+  const std::string similar =
+      absl::StrFormat("the place that looks most like it is %s, with similarity %.2f",
+                      ToString(nearest->from), nearest->score);
+  if (nearest->score < nearest->score_threshold) {
+    return absl::StrFormat("%s; %.2f are needed", similar, nearest->score_threshold);
+  }
+  return absl::StrCat(similar,
+                      ", enough; but the two clouds cannot be, or are still to be, compared");
 }
 
 std::string Explain(const NodeId& node, double radius_m,
@@ -129,12 +134,13 @@ std::string Explain(const NodeId& node, double radius_m,
       return InUse(record->verdict);
     });
     return absl::StrFormat(
-        "There are %d loop closures in use within %g m of %s, such as %s: it %s.", used, radius_m,
+        "There %s in use within %g m of %s, such as that between %s: it %s.",
+        used == 1 ? "is 1 loop closure" : absl::StrCat("are ", used, " loop closures"), radius_m,
         ToString(node), Name(best), Reason(best));
   }
   return absl::StrFormat(
-      "There is no loop within %g m of %s: %d were proposed; the one that came furthest, between "
-      "%s, is %s: %s.",
+      "There is no loop within %g m of %s: of %d proposed the one that came furthest, between %s, "
+      "is %s: %s.",
       radius_m, ToString(node), here.size(), Name(best), ToString(best.verdict), Reason(best));
 }
 

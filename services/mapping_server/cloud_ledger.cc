@@ -22,19 +22,22 @@ std::vector<NodeId> CloudLedger::Resolve(const std::string& sha256) {
   return keyframes;
 }
 
-void CloudLedger::Abandon(const MissionId& mission, const std::string& sha256) {
+std::vector<NodeId> CloudLedger::Abandon(const MissionId& mission, const std::string& sha256) {
+  std::vector<NodeId> abandoned;
   const auto it = awaiting_.find(sha256);
-  if (it == awaiting_.end()) return;
+  if (it == awaiting_.end()) return abandoned;
   for (const NodeId& keyframe : it->second) {
-    if (keyframe.mission == mission) StopAsking(keyframe);
+    if (keyframe.mission == mission && StopAsking(keyframe)) abandoned.push_back(keyframe);
   }
+  return abandoned;
 }
 
-void CloudLedger::StopAsking(const NodeId& keyframe) {
+bool CloudLedger::StopAsking(const NodeId& keyframe) {
   const auto it = asked_.find(keyframe.mission);
-  if (it == asked_.end()) return;
-  num_missing_ -= static_cast<int64_t>(it->second.erase(keyframe.index));
+  if (it == asked_.end() || it->second.erase(keyframe.index) == 0) return false;
+  --num_missing_;
   if (it->second.empty()) asked_.erase(it);
+  return true;
 }
 
 std::vector<MissingBlob> CloudLedger::Missing(const MissionId& mission, size_t max) const {

@@ -27,8 +27,8 @@ class CloudLedger {
   // The blob came: the keyframes that waited for it, in the order of Await.
   std::vector<NodeId> Resolve(const std::string& sha256);
 
-  // The mission is asked no more; its clouds go on waiting.
-  void Abandon(const MissionId& mission, const std::string& sha256);
+  // The mission is asked no more; its clouds go on waiting. Those that it was asked for until now.
+  std::vector<NodeId> Abandon(const MissionId& mission, const std::string& sha256);
 
   // The first `max` that the mission is asked for, each once, by keyframe.
   std::vector<MissingBlob> Missing(const MissionId& mission, size_t max) const;
@@ -38,7 +38,8 @@ class CloudLedger {
   int64_t NumMissing() const { return num_missing_; }
 
  private:
-  void StopAsking(const NodeId& keyframe);
+  // False: nobody was asked.
+  bool StopAsking(const NodeId& keyframe);
 
   std::map<MissionId, std::map<int64_t, MissingBlob>> asked_;  // by keyframe index
   absl::flat_hash_map<std::string, std::vector<NodeId>> awaiting_;

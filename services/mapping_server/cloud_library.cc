@@ -28,11 +28,20 @@ void CloudLibrary::AddSubmap(const MissionId& mission, const Submap& submap) {
 
 void CloudLibrary::AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
   absl::MutexLock lock(&mutex_);
-  const auto entries = missions_.find(node.mission);
-  if (entries == missions_.end() || node.index >= static_cast<int64_t>(entries->second.size())) {
-    return;
-  }
-  entries->second[node.index].blob = std::move(blob);
+  KeyframeEntry* entry = Find(node);
+  if (entry == nullptr) return;
+  entry->expects_cloud = true;
+  entry->blob = std::move(blob);
+}
+
+void CloudLibrary::CloudGone(const NodeId& node) {
+  absl::MutexLock lock(&mutex_);
+  KeyframeEntry* entry = Find(node);
+  if (entry != nullptr) entry->expects_cloud = false;
+}
+
+CloudLibrary::KeyframeEntry* CloudLibrary::Find(const NodeId& node) {
+  return const_cast<KeyframeEntry*>(std::as_const(*this).Find(node));
 }
 
 const CloudLibrary::KeyframeEntry* CloudLibrary::Find(const NodeId& node) const {
@@ -75,12 +84,13 @@ absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const Node
 }
 
 // In the body frame of the first part, the newest keyframe.
-absl::StatusOr<PointCloud> CloudLibrary::Gather(const std::vector<Part>& parts) const {
+PointCloud CloudLibrary::Gather(const std::vector<Part>& parts) const {
   std::vector<CloudAtPose> keyframes;  // oldest first
   for (auto part = parts.rbegin(); part != parts.rend(); ++part) {
-    ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*part->blob));
+    absl::StatusOr<PointCloud> cloud = DecodePointCloud(*part->blob);
+    if (!cloud.ok()) continue;
     keyframes.push_back(
-        {part->mission_from_body, std::make_shared<const PointCloud>(std::move(cloud))});
+        {part->mission_from_body, std::make_shared<const PointCloud>(*std::move(cloud))});
   }
   return GatherClouds(keyframes, gather_length_m_);
 }
@@ -96,9 +106,7 @@ absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId
   ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view.travelled_m));
   ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*parts.front().blob));
   view.mission_from_body = parts.front().mission_from_body.rotation;
-  if (parts.size() > 1 && !SeesAllAround(cloud)) {
-    ASSIGN_OR_RETURN(cloud, Gather(parts));
-  }
+  if (parts.size() > 1 && !SeesAllAround(cloud)) cloud = Gather(parts);
   view.cloud = std::make_shared<const PointCloud>(std::move(cloud));
   auto shared = std::make_shared<const PlaceView>(std::move(view));
   absl::MutexLock lock(&mutex_);

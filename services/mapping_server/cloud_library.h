@@ -28,12 +28,15 @@ class CloudLibrary {
   // Keyframes by odometry, and which of them will have a cloud.
   void AddSubmap(const MissionId& mission, const Submap& submap);
   void AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob);
+  // The cloud was announced, and will not come; should it do so after all, the better.
+  void CloudGone(const NodeId& node);
 
-  // True: a cloud is there; or it was announced.
   bool HasCloud(const NodeId& node) const;
+  // It is there, or still to come.
   bool ExpectsCloud(const NodeId& node) const;
 
-  // NotFound: no cloud of that keyframe. InvalidArgument: it cannot be decoded.
+  // NotFound: no cloud of that keyframe. InvalidArgument: it cannot be decoded. Others
+  // that cannot are left out.
   absl::StatusOr<std::shared_ptr<const PlaceView>> View(const NodeId& node);
 
  private:
@@ -48,8 +51,9 @@ class CloudLibrary {
     std::shared_ptr<const std::string> blob;
   };
 
+  KeyframeEntry* Find(const NodeId& node) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   const KeyframeEntry* Find(const NodeId& node) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  absl::StatusOr<PointCloud> Gather(const std::vector<Part>& parts) const;
+  PointCloud Gather(const std::vector<Part>& parts) const;
   // The node's own cloud first, then those of the keyframes before it.
   absl::StatusOr<std::vector<Part>> PartsOf(const NodeId& node, double* travelled_m) const;
 

@@ -93,9 +93,11 @@ absl::StatusOr<grpc::ByteBuffer> GraphFrames::Frame(const GraphQuery& query, Gra
                                                     const GraphPosition& reader) {
   ASSIGN_OR_RETURN(Variant * variant, Updated(query));
   const MapGraph& newest = variant->history.back();
+  // Never from one epoch to another.
   const auto base =
       std::find_if(variant->history.begin(), variant->history.end(), [&](const MapGraph& graph) {
-        return graph.map_epoch == reader.map_epoch && graph.revision == reader.revision;
+        return graph.map_epoch == newest.map_epoch && graph.map_epoch == reader.map_epoch &&
+               graph.revision == reader.revision;
       });
   const bool delta = base != variant->history.end() && base->revision < newest.revision;
   grpc::ByteBuffer& frame = variant->frames[{encoding, delta ? base->revision : 0}];

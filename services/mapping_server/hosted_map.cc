@@ -44,6 +44,9 @@ HostedMap::HostedMap(std::string id, const ServerOptions& options)
     absl::StatusOr<SharedBlob> blob = store_->GetBlob(sha256);
     if (blob.ok()) detector_.AddCloud({mission, index}, *std::move(blob));
   };
+  sink.on_cloud_gone = [this](const MissionId& mission, int64_t index) {
+    detector_.CloudGone({mission, index});
+  };
   store_ = std::make_unique<InMemorySubmapStore>(options.limits, std::move(sink));
 }
 

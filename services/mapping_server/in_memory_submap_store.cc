@@ -132,7 +132,9 @@ absl::StatusOr<SharedBlob> InMemorySubmapStore::GetBlob(const std::string& sha25
 
 void InMemorySubmapStore::AbandonBlob(const MissionId& mission, const std::string& sha256) {
   absl::MutexLock lock(&mutex_);
-  clouds_.Abandon(mission, sha256);
+  for (const NodeId& keyframe : clouds_.Abandon(mission, sha256)) {
+    sink_.on_cloud_gone(keyframe.mission, keyframe.index);
+  }
 }
 
 std::vector<MissingBlob> InMemorySubmapStore::MissingBlobs(const MissionId& mission,

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/loop_detector.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "overtone/core/common/status_macros.h"
@@ -9,6 +8,19 @@
 #include "spdlog/spdlog.h"
 
 namespace overtone {
+namespace {
+
+// Nothing but the score is known: the verifier starts from one and the same pose.
+LoopCandidate CandidateOf(const ScoredCandidate& pair) {
+  LoopCandidate candidate;
+  candidate.from = pair.from;
+  candidate.to = pair.to;
+  candidate.proposer = LoopEvidence::kRobotScore;
+  candidate.score = pair.score;
+  return candidate;
+}
+
+}  // namespace
 
 absl::Status LoopDetectorOptions::Validate() const {
   if (num_threads < 1 || num_threads > 256) {
@@ -32,22 +44,24 @@ LoopDetector::LoopDetector(const LoopDetectorOptions& options, Sink sink)
 
 void LoopDetector::AddSubmap(const MissionId& mission, const Submap& submap) {
   if (options_.enabled) library_.AddSubmap(mission, submap);
-  for (const ScoredCandidate& candidate : submap.candidates) {
-    if (library_.ExpectsCloud(candidate.from) && library_.ExpectsCloud(candidate.to)) {
-      absl::MutexLock lock(&mutex_);
-      waiting_.push_back(candidate);
-    } else {
-      sink_.on_scored_pair(candidate);
-    }
+  if (submap.candidates.empty()) return;
+  {
+    absl::MutexLock lock(&mutex_);
+    waiting_.insert(waiting_.end(), submap.candidates.begin(), submap.candidates.end());
   }
-  if (!submap.candidates.empty()) VerifyWaiting();
+  SortWaiting();
 }
 
 void LoopDetector::AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
   if (!options_.enabled) return;
   library_.AddCloud(node, std::move(blob));
   pool_.Post([this, node] { Describe(node); });
-  VerifyWaiting();
+  SortWaiting();
+}
+
+void LoopDetector::CloudGone(const NodeId& node) {
+  library_.CloudGone(node);
+  SortWaiting();
 }
 
 std::optional<LoopCandidate> LoopDetector::MostSimilar(const NodeId& node) const {
@@ -79,26 +93,32 @@ void LoopDetector::Verify(LoopCandidate candidate) {
   if (!status.ok()) {
     spdlog::warn("{} and {} cannot be compared: {}", ToString(candidate.from),
                  ToString(candidate.to), status.ToString());
+    // The robot's own word stands where the clouds say nothing.
+    if (candidate.proposer == LoopEvidence::kRobotScore) {
+      sink_.on_scored_pair({candidate.from, candidate.to, candidate.score});
+    }
     return;
   }
   sink_.on_candidate(std::move(candidate));
 }
 
-void LoopDetector::VerifyWaiting() {
-  absl::MutexLock lock(&mutex_);
-  const auto ready = std::stable_partition(
-      waiting_.begin(), waiting_.end(), [&](const ScoredCandidate& candidate) {
-        return !library_.HasCloud(candidate.from) || !library_.HasCloud(candidate.to);
-      });
-  for (auto scored = ready; scored != waiting_.end(); ++scored) {
-    LoopCandidate candidate;
-    candidate.from = scored->from;
-    candidate.to = scored->to;
-    candidate.proposer = LoopEvidence::kRobotScore;
-    candidate.score = scored->score;
-    pool_.Post([this, candidate] { Verify(candidate); });
+void LoopDetector::SortWaiting() {
+  std::vector<ScoredCandidate> without_clouds;
+  {
+    absl::MutexLock lock(&mutex_);
+    std::vector<ScoredCandidate> waiting;
+    for (const ScoredCandidate& pair : waiting_) {
+      if (library_.HasCloud(pair.from) && library_.HasCloud(pair.to)) {
+        pool_.Post([this, candidate = CandidateOf(pair)] { Verify(candidate); });
+      } else if (library_.ExpectsCloud(pair.from) && library_.ExpectsCloud(pair.to)) {
+        waiting.push_back(pair);
+      } else {
+        without_clouds.push_back(pair);
+      }
+    }
+    waiting_ = std::move(waiting);
   }
-  waiting_.erase(ready, waiting_.end());
+  for (const ScoredCandidate& pair : without_clouds) sink_.on_scored_pair(pair);
 }
 
 }  // namespace overtone

@@ -48,12 +48,14 @@ class LoopDetector {
     std::function<void(ScoredCandidate)> on_scored_pair;  // that has no clouds to look at
   };
 
-  // The sink is called from its threads and from AddSubmap.
+  // The sink is called from its threads, from AddSubmap and from CloudGone.
   LoopDetector(const LoopDetectorOptions& options, Sink sink);
 
   // In the order in which the map gets them; clouds after their submap.
   void AddSubmap(const MissionId& mission, const Submap& submap);
   void AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob);
+  // An announced cloud will not come: scored pairs that waited for it go on without.
+  void CloudGone(const NodeId& node);
 
   // Clouds and candidates that are still to be looked at.
   int64_t backlog() const { return pool_.backlog(); }
@@ -64,8 +66,9 @@ class LoopDetector {
  private:
   void Describe(const NodeId& node);
   void Verify(LoopCandidate candidate);
-  // Scored pairs one of whose clouds is still on its way.
-  void VerifyWaiting();
+  // Sends scored pairs on their way: whose clouds are there, to the verifier; one of whose clouds
+  // will not come, as they are. The others wait.
+  void SortWaiting();
 
   const LoopDetectorOptions options_;
   const Sink sink_;

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -60,10 +61,21 @@ absl::StatusOr<ServerOptions> ReadOptions(const Flags& flags) {
   return options;
 }
 
+// What differs from the defaults, whoever said it.
+void LogOptions(const ServerOptions& options) {
+  const std::map<std::string, std::string> defaults = OptionValues(ServerOptions());
+  for (const auto& [key, value] : OptionValues(options)) {
+    if (value != defaults.at(key)) {
+      spdlog::info("{} is {} instead of {}", key, value, defaults.at(key));
+    }
+  }
+}
+
 absl::Status Serve(const Flags& flags) {
   ASSIGN_OR_RETURN(const ServerOptions options, ReadOptions(flags));
   spdlog::set_default_logger(spdlog::stderr_color_mt("mapping_server"));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
+  LogOptions(options);
 
   const TerminationSignals signals;
   ASSIGN_OR_RETURN(const std::unique_ptr<MappingServer> server, MappingServer::Start(options));

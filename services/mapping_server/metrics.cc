@@ -48,6 +48,7 @@ class MapMetrics final : public prometheus::Collectable {
     MetricFamily keyframes = Gauge("overtone_keyframes", "Keyframes of the newest revision");
     MetricFamily solve = Gauge("overtone_optimisation_seconds", "Of the newest revision");
     for (const std::shared_ptr<HostedMap>& map : registry_->List()) {
+      const int64_t waiting = map->backlog();  // before the revision: 0 must mean that it holds all
       const HostedMap::Published published = map->published();
       const MapSnapshot& snapshot = *published.snapshot;
       std::map<ClosureVerdict, int64_t> count;
@@ -67,7 +68,7 @@ class MapMetrics final : public prometheus::Collectable {
                static_cast<double>(unanchored));
       const Labels labels = {{"map", map->id()}};
       AddValue(keyframes, labels, static_cast<double>(nodes));
-      AddValue(backlog, labels, static_cast<double>(map->backlog()));
+      AddValue(backlog, labels, static_cast<double>(waiting));
       AddValue(revision, labels, static_cast<double>(snapshot.revision));
       AddValue(solve, labels, snapshot.optimisation_s);
       if (snapshot.revision > 0) {

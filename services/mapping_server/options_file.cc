@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "absl/strings/string_view.h"
 #include "overtone/core/common/status_macros.h"
 #include "yaml-cpp/yaml.h"
@@ -18,29 +19,43 @@
 namespace overtone {
 namespace {
 
-// Puts a scalar into an option. False: not of its type.
-using Setter = std::function<bool(const YAML::Node&)>;
+using Robust = MultiRobotMapOptions::Robust;
 
-template <typename T>
-Setter Into(T& option) {
-  return [&option](const YAML::Node& node) { return YAML::convert<T>::decode(node, option); };
+bool FromScalar(const YAML::Node& scalar, Robust& option) {
+  const std::map<std::string, Robust> values = {
+      {"none", Robust::kNone}, {"huber", Robust::kHuber}, {"gnc", Robust::kGnc}};
+  const auto it = values.find(scalar.Scalar());
+  if (it == values.end()) return false;
+  option = it->second;
+  return true;
+}
+std::string ToScalar(Robust option) {
+  return option == Robust::kNone ? "none" : option == Robust::kHuber ? "huber" : "gnc";
 }
 
-Setter IntoRobust(MultiRobotMapOptions::Robust& option) {
-  return [&option](const YAML::Node& node) {
-    const std::map<std::string, MultiRobotMapOptions::Robust> values = {
-        {"none", MultiRobotMapOptions::Robust::kNone},
-        {"huber", MultiRobotMapOptions::Robust::kHuber},
-        {"gnc", MultiRobotMapOptions::Robust::kGnc}};
-    const auto it = values.find(node.Scalar());
-    if (it == values.end()) return false;
-    option = it->second;
-    return true;
-  };
+template <typename T>
+bool FromScalar(const YAML::Node& scalar, T& option) {
+  return YAML::convert<T>::decode(scalar, option);
+}
+std::string ToScalar(double option) { return absl::StrFormat("%.15g", option); }
+template <typename T>
+std::string ToScalar(const T& option) {
+  return YAML::convert<T>::encode(option).Scalar();
+}
+
+struct Key {
+  std::function<bool(const YAML::Node&)> set;  // false: not of the option's type
+  std::function<std::string()> get;
+};
+
+template <typename T>
+Key Into(T& option) {
+  return {[&option](const YAML::Node& scalar) { return FromScalar(scalar, option); },
+          [&option] { return ToScalar(option); }};
 }
 
 // The one list of keys.
-std::map<std::string, Setter> Keys(ServerOptions& options) {
+std::map<std::string, Key> Keys(ServerOptions& options) {
   ServerLimits& limits = options.limits;
   PublisherOptions& publisher = options.publisher;
   GraphMonitorOptions& graph = options.graph;
@@ -77,7 +92,7 @@ std::map<std::string, Setter> Keys(ServerOptions& options) {
       {"graph.reduction_tolerance", Into(graph.reduction_tolerance)},
       {"graph.radius_m", Into(graph.radius_graph.radius_m)},
       {"graph.sigma", Into(graph.radius_graph.sigma)},
-      {"map.robust", IntoRobust(map.robust)},
+      {"map.robust", Into(map.robust)},
       {"map.closure_chi_square_limit", Into(map.closure_chi_square_limit)},
       {"map.sighting_chi_square_limit", Into(map.sighting_chi_square_limit)},
       {"map.consistency_chi_square_limit", Into(map.consistency_chi_square_limit)},
@@ -121,7 +136,7 @@ int EditDistance(absl::string_view a, absl::string_view b) {
   return row.back();
 }
 
-std::string NearestKey(const std::map<std::string, Setter>& keys, const std::string& wanted) {
+std::string NearestKey(const std::map<std::string, Key>& keys, const std::string& wanted) {
   return std::min_element(keys.begin(), keys.end(),
                           [&](const auto& a, const auto& b) {
                             return EditDistance(a.first, wanted) < EditDistance(b.first, wanted);
@@ -131,7 +146,7 @@ std::string NearestKey(const std::map<std::string, Setter>& keys, const std::str
 
 class Reader {
  public:
-  Reader(const std::string& path, std::map<std::string, Setter> keys)
+  Reader(const std::string& path, std::map<std::string, Key> keys)
       : path_(path), keys_(std::move(keys)) {}
 
   // Walks a mapping; `prefix` is "" or "section.".
@@ -150,13 +165,13 @@ class Reader {
 
  private:
   absl::Status ReadScalar(const YAML::Node& name, const std::string& key, const YAML::Node& value) {
-    const auto setter = keys_.find(key);
-    if (setter == keys_.end()) {
+    const auto known = keys_.find(key);
+    if (known == keys_.end()) {
       return Error(name.Mark(), absl::StrCat("unknown key '", key, "'; did you mean '",
                                              NearestKey(keys_, key), "'?"));
     }
     if (!seen_.insert(key).second) return Error(name.Mark(), absl::StrCat(key, " is given twice"));
-    if (value.IsScalar() && setter->second(value)) return absl::OkStatus();
+    if (value.IsScalar() && known->second.set(value)) return absl::OkStatus();
     return Error(value.Mark(), absl::StrCat(key, " has a value of the wrong type"));
   }
 
@@ -165,11 +180,17 @@ class Reader {
   }
 
   const std::string path_;
-  const std::map<std::string, Setter> keys_;
+  const std::map<std::string, Key> keys_;
   std::set<std::string> seen_;
 };
 
 }  // namespace
+
+std::map<std::string, std::string> OptionValues(ServerOptions options) {
+  std::map<std::string, std::string> values;
+  for (const auto& [name, key] : Keys(options)) values[name] = key.get();
+  return values;
+}
 
 absl::Status ReadOptionsFile(const std::string& path, ServerOptions& options) {
   std::ifstream in(path);

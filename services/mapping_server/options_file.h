@@ -3,6 +3,7 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_OPTIONS_FILE_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_OPTIONS_FILE_H_
 
+#include <map>
 #include <string>
 
 #include "absl/status/status.h"
@@ -14,6 +15,9 @@ namespace overtone {
 // "path:line: what": not YAML, an unknown key (with the nearest known one), a key given twice, a
 // value of the wrong type. Ranges are for ServerOptions::Validate().
 absl::Status ReadOptionsFile(const std::string& path, ServerOptions& options);
+
+// Every key that a file may give, "section.key", with its value as the file would say it.
+std::map<std::string, std::string> OptionValues(ServerOptions options);
 
 }  // namespace overtone
 

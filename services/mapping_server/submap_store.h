@@ -69,6 +69,8 @@ class SubmapStore {
     // A keyframe's cloud, when submap and blob are both there. Of the store it may call GetBlob,
     // and nothing else.
     std::function<void(const MissionId&, int64_t index, const std::string& sha256)> on_cloud;
+    // The robot cannot send it, so that on_cloud will hardly follow.
+    std::function<void(const MissionId&, int64_t index)> on_cloud_gone;
   };
 
   virtual ~SubmapStore() = default;

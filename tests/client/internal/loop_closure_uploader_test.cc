@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -49,6 +50,15 @@ class Fixture {
   }
 
   bool AwaitEmpty() { return outbox_.AwaitEmpty(kPatience); }
+  // Submaps aside.
+  bool AwaitNoLoopClosures() {
+    const absl::Time deadline = absl::Now() + kPatience;
+    while (outbox_.FrontLoopClosures() != nullptr && absl::Now() < deadline) {
+      std::this_thread::yield();
+    }
+    return outbox_.FrontLoopClosures() == nullptr;
+  }
+  InMemoryOutbox& outbox() { return outbox_; }
   std::vector<std::string> calls() {
     absl::MutexLock lock(&mutex_);
     return calls_;
@@ -88,6 +98,25 @@ TEST(LoopClosureUploader, TriesAgainWhatMayGetBetter) {
   ASSERT_TRUE(fixture.AwaitEmpty());
   EXPECT_THAT(fixture.calls(), ElementsAre("a", "a", "a", "a", "a", "b"));
   EXPECT_TRUE(fixture.refused().empty());
+}
+
+// A map comes into being with its first submap, which another thread sends.
+TEST(LoopClosureUploader, ABatchThatOvertookTheFirstSubmapComesAgain) {
+  Fixture fixture(
+      [](int call) { return call < 2 ? grpc::StatusCode::NOT_FOUND : grpc::StatusCode::OK; });
+  ASSERT_TRUE(fixture.outbox().PushSubmap({0, 0, std::make_shared<const std::string>()}, {}).ok());
+  fixture.Push("a");
+  ASSERT_TRUE(fixture.AwaitNoLoopClosures());
+  EXPECT_THAT(fixture.calls(), ElementsAre("a", "a", "a"));
+  EXPECT_TRUE(fixture.refused().empty());
+}
+
+TEST(LoopClosureUploader, WithoutSubmapsAMapThatIsNotThereIsAFinalRefusal) {
+  Fixture fixture([](int) { return grpc::StatusCode::NOT_FOUND; });
+  fixture.Push("a");
+  ASSERT_TRUE(fixture.AwaitEmpty());
+  EXPECT_THAT(fixture.calls(), ElementsAre("a"));
+  EXPECT_THAT(fixture.refused(), ElementsAre(absl::StatusCode::kNotFound));
 }
 
 TEST(LoopClosureUploader, ReportsAFinalRefusalOnceAndGoesOn) {

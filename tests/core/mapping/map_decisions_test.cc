@@ -106,7 +106,7 @@ TEST_F(DecisionsTest, RollingBackBeforeAVetoLiftsIt) {
   EXPECT_LT(Distance(*good_, *snapshot), 1e-3);
 }
 
-// Its figures would keep it out: it was in use by an operator's word, and is again.
+// Left to the checks, the closure would not be used again.
 TEST_F(DecisionsTest, RollingBackToAForcedClosureForcesItAgain) {
   LoopCandidate candidate = CandidateOf(
       MakeClosure({Mission("a"), 20}, {Mission("a"), 0}, truth_[20].Inverse() * truth_[0]));
@@ -115,9 +115,18 @@ TEST_F(DecisionsTest, RollingBackToAForcedClosureForcesItAgain) {
   ASSERT_TRUE(map_.Force("a/m0:20>a/m0:0#0").ok());
   const auto forced = map_.Optimise();
   ASSERT_TRUE(map_.Veto("a/m0:20>a/m0:0#0").ok());
+  ASSERT_TRUE(map_.Veto("a/m0:20>a/m0:0#0").ok());
   map_.Optimise();
   ASSERT_TRUE(map_.RollBack(forced->revision, 77).ok());
   EXPECT_EQ(ToString(map_.Optimise()->closures[2].verdict), "forced_by_operator");
+}
+
+TEST_F(DecisionsTest, RollingBackUndoesWhatNoRevisionHasSeenYet) {
+  ASSERT_TRUE(map_.Veto("a/m0:30>a/m0:0#0").ok());
+  const auto without = map_.Optimise();
+  ASSERT_TRUE(map_.Force("a/m0:30>a/m0:0#0").ok());
+  EXPECT_EQ(*map_.RollBack(without->revision, 77), 1);
+  EXPECT_EQ(ToString(map_.Optimise()->closures[1].verdict), "vetoed_by_operator");
 }
 
 TEST_F(DecisionsTest, AWordOnNothingIsRefused) {

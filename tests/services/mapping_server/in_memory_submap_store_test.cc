@@ -30,6 +30,9 @@ class InMemorySubmapStoreTest : public ::testing::Test {
     sink.on_cloud = [this](const MissionId& mission, int64_t index, const std::string& sha256) {
       told_.push_back(ToString(NodeId{mission, index}) + " " + **store_->GetBlob(sha256));
     };
+    sink.on_cloud_gone = [this](const MissionId& mission, int64_t index) {
+      told_.push_back(ToString(NodeId{mission, index}) + " gone");
+    };
     store_ = std::make_unique<InMemorySubmapStore>(ServerLimits(), sink);
   }
 
@@ -90,13 +93,15 @@ TEST_F(InMemorySubmapStoreTest, AnAbandonedBlobIsNotMissingButStillTaken) {
   Append(kAnna, 0, {"one"});
   Append(kBert, 0, {"one"});
   store_->AbandonBlob(kAnna, Sha256("one"));
+  store_->AbandonBlob(kAnna, Sha256("one"));  // again
   store_->AbandonBlob(kAnna, Sha256("never heard of"));
   EXPECT_THAT(Missing(kAnna), ElementsAre());
   EXPECT_THAT(Missing(kBert), ElementsAre(Sha256("one")));
   EXPECT_EQ(store_->Clouds().missing, 1);
   EXPECT_TRUE(Put("one").ok());
-  EXPECT_THAT(told_, ElementsAre("anna/run:0 submap", "bert/run:0 submap", "anna/run:0 one",
-                                 "bert/run:0 one"));
+  store_->AbandonBlob(kAnna, Sha256("one"));  // too late
+  EXPECT_THAT(told_, ElementsAre("anna/run:0 submap", "bert/run:0 submap", "anna/run:0 gone",
+                                 "anna/run:0 one", "bert/run:0 one"));
   EXPECT_EQ(store_->Clouds().missing, 0);
 }
 

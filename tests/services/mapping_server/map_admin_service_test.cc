@@ -27,21 +27,6 @@ const MissionId kBert = {"bert", "run1"};
 
 class MapAdminServiceTest : public ServerTest {
  protected:
-  // Calls a unary method of the stub; a failure fails the test.
-  template <typename Response, typename Request, typename Method>
-  Response Call(Method method, const Request& request) {
-    Response response;
-    const grpc::Status status = Try(method, request, response);
-    EXPECT_TRUE(status.ok()) << status.error_message();
-    return response;
-  }
-  template <typename Response, typename Request, typename Method>
-  grpc::Status Try(Method method, const Request& request, Response& response) {
-    grpc::ClientContext context;
-    context.set_deadline(testing::Deadline());
-    return (admin_.get()->*method)(&context, request, &response);
-  }
-
   grpc::Status Export(const v1::ExportMapRequest& request, std::string& file) {
     grpc::ClientContext context;
     context.set_deadline(testing::Deadline());

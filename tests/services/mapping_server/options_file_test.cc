@@ -2,8 +2,14 @@
 #include "overtone/services/mapping_server/options_file.h"
 
 #include <fstream>
+#include <map>
 #include <string>
+#include <vector>
 
+#include "absl/strings/numbers.h"
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
+#include "absl/strings/str_split.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 
@@ -23,31 +29,56 @@ TEST(OptionsFile, TheDefaultsAreValid) {
   EXPECT_TRUE(status.ok()) << status;
 }
 
-// Every key of the documented file exists, and its value is the default: spoiling an option
-// beforehand shows that the file sets it back.
-TEST(OptionsFile, TheDocumentedFileHoldsTheDefaults) {
+// Another value of the same type.
+std::string Spoilt(const std::string& key, const std::string& value) {
+  double number = 0;
+  if (key == "map.robust") return "none";
+  if (value == "true" || value == "false") return value == "true" ? "false" : "true";
+  return absl::SimpleAtod(value, &number) ? absl::StrFormat("%.15g", number + 1) : "spoilt";
+}
+
+// Every key of a file exists, so none is documented in vain; that the documented file sets every
+// option back shows that none is missing in it, and that it holds the defaults.
+TEST(OptionsFile, TheDocumentedFileHoldsTheDefaultOfEveryOption) {
+  const std::map<std::string, std::string> defaults = OptionValues(ServerOptions());
+  EXPECT_GT(defaults.size(), 50u);
+  std::map<std::string, std::string> sections;  // their text
+  for (const auto& [key, value] : defaults) {
+    const std::vector<std::string> names = absl::StrSplit(key, '.');
+    ASSERT_LE(names.size(), 2u) << key;
+    sections[names.size() == 2 ? names[0] : ""] +=
+        absl::StrCat(names.size() == 2 ? "  " : "", names.back(), ": ", Spoilt(key, value), "\n");
+  }
+  std::string text;
+  for (const auto& [section, lines] : sections) {
+    absl::StrAppend(&text, section, section.empty() ? "" : ":\n", lines);
+  }
   ServerOptions options;
-  options.listen = "elsewhere:1";
-  options.limits.max_maps = 7;
-  options.limits.max_blob_bytes = 5;
-  options.limits.max_stored_blob_bytes = 5;
-  options.publisher.units.stamp_ns = 5;
-  options.publisher.tolerance.rotation_rad = 0.2;
-  options.graph.radius_graph.sigma = 9;
-  options.map.robust = MultiRobotMapOptions::Robust::kNone;
-  const absl::Status status = ReadOptionsFile(
+  absl::Status status = ReadOptionsFile(Write(text), options);
+  ASSERT_TRUE(status.ok()) << status << "\n" << text;
+  for (const auto& [key, value] : OptionValues(options)) EXPECT_NE(value, defaults.at(key)) << key;
+
+  status = ReadOptionsFile(
       std::string(OVERTONE_SOURCE_DIR) + "/services/mapping_server/configs/default.yaml", options);
   ASSERT_TRUE(status.ok()) << status;
-  const ServerOptions defaults;
-  EXPECT_EQ(options.listen, defaults.listen);
-  EXPECT_EQ(options.limits.max_maps, defaults.limits.max_maps);
-  EXPECT_EQ(options.limits.max_blob_bytes, defaults.limits.max_blob_bytes);
-  EXPECT_EQ(options.limits.max_stored_blob_bytes, defaults.limits.max_stored_blob_bytes);
-  EXPECT_EQ(options.publisher.units.stamp_ns, defaults.publisher.units.stamp_ns);
-  EXPECT_EQ(options.publisher.tolerance.rotation_rad, defaults.publisher.tolerance.rotation_rad);
-  EXPECT_EQ(options.graph.max_nodes, defaults.graph.max_nodes);
-  EXPECT_EQ(options.graph.radius_graph.sigma, defaults.graph.radius_graph.sigma);
-  EXPECT_EQ(options.map.robust, defaults.map.robust);
+  EXPECT_EQ(OptionValues(options), defaults);
+}
+
+// OptionValues must not be wrong in the same way as the file.
+TEST(OptionsFile, ValuesAreThoseOfTheOptions) {
+  ServerOptions options;
+  options.limits.max_stored_blob_bytes = int64_t{3} << 40;
+  options.publisher.tolerance.rotation_rad = 0.1;
+  options.map.robust = MultiRobotMapOptions::Robust::kHuber;
+  options.loop_closures.enabled = false;
+  options.loop_closures.verifier.min_overlap = 0.25;
+  const std::map<std::string, std::string> values = OptionValues(options);
+  EXPECT_EQ(values.at("listen"), "localhost:7077");
+  EXPECT_EQ(values.at("limits.max_stored_blob_bytes"), "3298534883328");
+  EXPECT_EQ(values.at("publisher.rotation_tolerance_rad"), "0.1");
+  EXPECT_EQ(values.at("map.robust"), "huber");
+  EXPECT_EQ(values.at("loop_closures.enabled"), "false");
+  EXPECT_EQ(values.at("loop_closures.min_overlap"), "0.25");
 }
 
 TEST(OptionsFile, MistakesAreNamedWithTheirLine) {

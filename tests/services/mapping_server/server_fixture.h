@@ -3,9 +3,11 @@
 #ifndef OVERTONE_TESTS_SERVICES_MAPPING_SERVER_SERVER_FIXTURE_H_
 #define OVERTONE_TESTS_SERVICES_MAPPING_SERVER_SERVER_FIXTURE_H_
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "grpcpp/grpcpp.h"
@@ -159,6 +161,41 @@ class ServerTest : public ::testing::Test {
       graph = *next;
     }
     return graph;
+  }
+
+  // Calls a unary method of MapAdminService; a failure fails the test.
+  template <typename Response, typename Request, typename Method>
+  Response Call(Method method, const Request& request) {
+    Response response;
+    const grpc::Status status = Try(method, request, response);
+    EXPECT_TRUE(status.ok()) << status.error_message();
+    return response;
+  }
+  template <typename Response, typename Request, typename Method>
+  grpc::Status Try(Method method, const Request& request, Response& response) {
+    grpc::ClientContext context;
+    context.set_deadline(Deadline());
+    return (admin_.get()->*method)(&context, request, &response);
+  }
+
+  // Of a map that is there, when its newest revision holds all that came.
+  v1::MapSummary Settle(const std::string& map) {
+    const auto deadline = Deadline();
+    while (std::chrono::system_clock::now() < deadline) {
+      const auto response =
+          Call<v1::ListMapsResponse>(&v1::MapAdminService::Stub::ListMaps, v1::ListMapsRequest());
+      const auto found =
+          std::find_if(response.maps().begin(), response.maps().end(),
+                       [&](const v1::MapSummary& summary) { return summary.map() == map; });
+      if (found == response.maps().end()) {
+        ADD_FAILURE() << "no map " << map;
+        return v1::MapSummary();
+      }
+      if (found->front_end_backlog() == 0) return *found;
+      std::this_thread::yield();
+    }
+    ADD_FAILURE() << "map " << map << " does not come to rest";
+    return v1::MapSummary();
   }
 
   v1::GetUploadStateResponse UploadState(const std::string& map, const MissionId& mission) {
