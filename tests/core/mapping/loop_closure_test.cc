@@ -104,6 +104,8 @@ TEST(ClosureVerdict, OnlyAcceptedAndForcedOnesAreInUse) {
 
 TEST(Reason, SaysTheFiguresThatDecided) {
   ClosureRecord record;
+  record.candidate.from.mission = {"a", "m0"};
+  record.candidate.to.mission = {"b", "m0"};
   record.candidate.score = 0.456;
   record.candidate.score_threshold = 0.6;
   record.candidate.measured = true;
@@ -130,6 +132,13 @@ TEST(Reason, SaysTheFiguresThatDecided) {
             "the clouds leave 4 of six directions open, too many");
   EXPECT_EQ(reason(ClosureVerdict::kRejectedInconsistent),
             "disagrees with the 2 closures that agree between its two missions");
+  record.candidate.to.mission = record.candidate.from.mission;
+  EXPECT_EQ(reason(ClosureVerdict::kRejectedInconsistent),
+            "further from its mission's odometry than that can have drifted in between");
+  record.candidate.registration->open_directions = 1;
+  EXPECT_EQ(reason(ClosureVerdict::kRejectedDegenerate),
+            "the clouds leave 1 of six directions open, and the map does not expect the two places "
+            "to be one");
   EXPECT_EQ(reason(ClosureVerdict::kVetoedByOperator), "an operator has vetoed it");
   EXPECT_EQ(reason(ClosureVerdict::kForcedByOperator),
             "an operator wants it used, chi square 1235");

@@ -71,7 +71,7 @@ TEST(OptionsFile, ValuesAreThoseOfTheOptions) {
   options.publisher.tolerance.rotation_rad = 0.1;
   options.map.robust = MultiRobotMapOptions::Robust::kHuber;
   options.loop_closures.enabled = false;
-  options.loop_closures.verifier.min_overlap = 0.25;
+  options.loop_closures.verifier.required.min_overlap = 0.25;
   const std::map<std::string, std::string> values = OptionValues(options);
   EXPECT_EQ(values.at("listen"), "localhost:7077");
   EXPECT_EQ(values.at("limits.max_stored_blob_bytes"), "3298534883328");
