@@ -146,6 +146,8 @@ absl::StatusOr<RunResult> ReplayRecord::Finish(AdminClient* admin, const std::st
   }
   result_.relations = EvaluateRelations(input_.relations, input_.plans, result_.robots);
   RETURN_IF_ERROR(FetchClosures(admin, map));
+  ASSIGN_OR_RETURN(const v1::MapSummary summary, admin->GetMap(map));
+  result_.components = summary.components();
   return std::move(result_);
 }
 

@@ -117,6 +117,7 @@ struct RunResult {
   // Name and value of what steered the run (strategy, n, metric, ...), for people.
   std::vector<std::pair<std::string, std::string>> settings;
   uint64_t revision = 0;  // of the server's final map
+  int components = 0;     // of that map; 1: all robots are tied together
   double wall_time_s = 0;
   std::vector<RobotResult> robots;
   std::vector<ClosureResult> closures;
