@@ -194,6 +194,10 @@ absl::Status ReplayRecord::FetchClosures(AdminClient* admin, const std::string& 
     row.verdict = VerdictName(status.verdict());
     row.weight = status.weight();
     row.chi_square = status.chi_square();
+    if (status.has_registration()) {
+      const v1::RegistrationFigures& figures = status.registration();
+      row.registration = {figures.overlap(), figures.residual_m(), figures.open_directions()};
+    }
     row.simulated = by_robot && origin->second->simulated;
     row.outlier = by_robot && origin->second->outlier;
     row.truth = JudgeClosure(row.closure, row.measured, input_.plans, input_.closure_tolerance);

@@ -85,6 +85,13 @@ struct ClosureTruth {
   bool right = false;               // measured, and close enough to the truth
 };
 
+// What the server's registration of a closure's two clouds gave.
+struct ClosureRegistration {
+  double overlap = 0;     // [0, 1]
+  double residual_m = 0;  // rms
+  int open_directions = 0;
+};
+
 struct ClosureResult {
   LoopClosure closure;             // MissionId::robot is the robot's name
   std::string proposer = "robot";  // "robot", "robot_score", "scan_context"
@@ -93,9 +100,10 @@ struct ClosureResult {
   std::string verdict;  // "accepted", "demoted_by_optimiser", "pending", "rejected_overlap", ...
   double weight = 0;    // [0, 1]
   double chi_square = 0;
-  std::optional<ClosureTruth> truth;  // absent: the ground truth does not know
-  bool simulated = false;             // made from ground truth
-  bool outlier = false;               // made wrong on purpose
+  std::optional<ClosureRegistration> registration;  // absent: there was none
+  std::optional<ClosureTruth> truth;                // absent: the ground truth does not know
+  bool simulated = false;                           // made from ground truth
+  bool outlier = false;                             // made wrong on purpose
 };
 
 // Of relative poses known to be true; means and medians over `count` of them.
