@@ -48,7 +48,8 @@ Json ToJson(const ScenarioOptions& options) {
           {"keyframe_distance_m", options.keyframes.min_distance_m},
           {"keyframe_rotation_rad", options.keyframes.min_rotation_rad},
           {"odometry", ToJson(options.odometry)},
-          {"failures", ToJson(options.failures)}};
+          {"failures", ToJson(options.failures)},
+          {"num_failing", options.num_failing}};
 }
 
 Json ToJson(const LidarOptions& options) {

@@ -7,8 +7,6 @@
 namespace overtone {
 namespace {
 
-// A relative pose with one direction open is still worth its five others; a plane leaves three.
-constexpr int kMaxOpenDirections = 2;
 constexpr double kOpenRotationVariance = 1e4;  // rad^2: any heading
 
 }  // namespace
@@ -65,7 +63,9 @@ ClosureVerdict JudgeFigures(const LoopCandidate& candidate) {
     return ClosureVerdict::kRejectedOverlap;
   }
   if (!(figures.residual_m <= figures.residual_limit_m)) return ClosureVerdict::kRejectedResidual;
-  if (figures.open_directions > kMaxOpenDirections) return ClosureVerdict::kRejectedDegenerate;
+  // Along an open direction the pose is the guess, whatever its variance: all stretches of a
+  // corridor match all others there, and hundreds of such pairs pull it together.
+  if (figures.open_directions > 0) return ClosureVerdict::kRejectedDegenerate;
   return ClosureVerdict::kPending;
 }
 
@@ -94,8 +94,7 @@ std::string Reason(const ClosureRecord& record) {
       return absl::StrFormat("the registered clouds lie %.2f m apart, at most %.2f m are taken",
                              figures.residual_m, figures.residual_limit_m);
     case ClosureVerdict::kRejectedDegenerate:
-      return absl::StrCat("the clouds leave ", figures.open_directions,
-                          " of six directions open, too many");
+      return absl::StrCat("the clouds leave ", figures.open_directions, " of six directions open");
     case ClosureVerdict::kRejectedInconsistent:
       return absl::StrCat("disagrees with the ", record.consistent_set,
                           " closures that agree between its two missions");

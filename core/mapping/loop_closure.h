@@ -27,7 +27,7 @@ enum class ClosureVerdict {
   kRejectedScore,         // the places do not look alike enough
   kRejectedOverlap,       // the registered clouds share too little
   kRejectedResidual,      // the registered clouds lie too far apart
-  kRejectedDegenerate,    // the clouds leave too much of the relative pose open
+  kRejectedDegenerate,    // the clouds leave a direction of the relative pose open
   kRejectedInconsistent,  // not in the largest consistent set between its two missions
   kVetoedByOperator,
   kForcedByOperator,  // used, whatever the checks say

@@ -81,6 +81,18 @@ TEST_F(DecisionsTest, AForcedClosureIsUsedWhateverItsFigures) {
   EXPECT_EQ(ToString(map_.Optimise()->closures[2].verdict), "vetoed_by_operator");
 }
 
+// Hundreds of pairs along a bare corridor, each within 100 m, would pull it together.
+TEST_F(DecisionsTest, AMeasurementWithADirectionOpenIsNotUsed) {
+  LoopCandidate candidate = CandidateOf(
+      MakeClosure({Mission("a"), 20}, {Mission("a"), 0}, truth_[20].Inverse() * truth_[0]));
+  candidate.proposer = LoopEvidence::kScanContext;
+  candidate.registration = RegistrationFigures{true, 0.9, 0.6, 0.05, 0.1, 1};
+  ASSERT_TRUE(map_.AddCandidate(candidate).ok());
+  const auto snapshot = map_.Optimise();
+  EXPECT_EQ(ToString(snapshot->closures[2].verdict), "rejected_degenerate");
+  EXPECT_EQ(Reason(snapshot->closures[2]), "the clouds leave 1 of six directions open");
+}
+
 TEST_F(DecisionsTest, RollingBackUndoesWhatCameAfterAndStartsANewEpoch) {
   ASSERT_TRUE(map_.AddSubmap(Mission("b"), MakeSubmap(0, 0, CirclePoses(5))).ok());
   map_.Optimise();
