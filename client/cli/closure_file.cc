@@ -103,6 +103,12 @@ std::string TruthColumns(const std::optional<ClosureTruth>& truth) {
                       Text(truth->error_rad), ",", truth->right ? "yes" : "no");
 }
 
+std::string RegistrationColumns(const std::optional<ClosureRegistration>& registration) {
+  if (!registration.has_value()) return ",,,";
+  return absl::StrFormat(",%.4g,%.4g,%d", registration->overlap, registration->residual_m,
+                         registration->open_directions);
+}
+
 // Of each axis, on average.
 double SigmaOf(const Matrix6d& covariance, int first) {
   return std::sqrt(covariance.diagonal().segment<3>(first).mean());
@@ -140,7 +146,7 @@ absl::Status WriteClosures(const std::string& path, const RunResult& result) {
   file
       << kHeader
       << ",from_index,to_index,verdict,weight,chi_square,simulated,outlier,proposer,measured,score,"
-         "overlap,residual_m,open_directions,true_distance_m,error_m,error_rad,right\n";
+         "true_distance_m,error_m,error_rad,right,overlap,residual_m,open_directions\n";
   for (const ClosureResult& row : result.closures) {
     const LoopClosure& closure = row.closure;
     const auto stamp = [&robots](const NodeId& node) {
@@ -158,7 +164,7 @@ absl::Status WriteClosures(const std::string& path, const RunResult& result) {
                             row.verdict, row.weight, row.chi_square, row.simulated ? "yes" : "no",
                             row.outlier ? "yes" : "no")
          << absl::StrFormat(",%s,%s,%.4g", row.proposer, row.measured ? "yes" : "no", row.score)
-         << RegistrationColumns(row.registration) << TruthColumns(row.truth) << "\n";
+         << TruthColumns(row.truth) << RegistrationColumns(row.registration) << "\n";
   }
   file.close();
   if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));

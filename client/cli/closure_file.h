@@ -24,7 +24,8 @@ absl::StatusOr<std::vector<LoopClosure>> ReadClosures(const std::string& path,
 
 // The same columns, then from_index,to_index,verdict,weight,chi_square,simulated,outlier,proposer,
 // measured,score, and what the ground truth says, empty where it is silent:
-// true_distance_m,error_m,error_rad,right.
+// true_distance_m,error_m,error_rad,right; and of the registration, empty where there was none:
+// overlap,residual_m,open_directions.
 absl::Status WriteClosures(const std::string& path, const RunResult& result);
 
 }  // namespace overtone

@@ -4,6 +4,7 @@
 #include "CLI/CLI.hpp"
 #include "overtone/client/cli/admin_commands.h"
 #include "overtone/client/cli/closure_commands.h"
+#include "overtone/client/cli/evaluate_command.h"
 #include "overtone/client/cli/replay_command.h"
 #include "overtone/client/cli/robot_command.h"
 #include "overtone/client/cli/simulate_command.h"
@@ -18,6 +19,7 @@ int main(int argc, char** argv) {
   overtone::AddReplayCommand(&app, &run);
   overtone::AddRobotCommand(&app, &run);
   overtone::AddSimulateCommand(&app, &run);
+  overtone::AddEvaluateCommand(&app, &run);
   overtone::AddAdminCommands(&app, &run);
   overtone::AddClosureCommands(&app, &run);
   try {

@@ -146,6 +146,8 @@ absl::StatusOr<RunResult> ReplayRecord::Finish(AdminClient* admin, const std::st
   }
   result_.relations = EvaluateRelations(input_.relations, input_.plans, result_.robots);
   RETURN_IF_ERROR(FetchClosures(admin, map));
+  ASSIGN_OR_RETURN(const v1::MapSummary summary, admin->GetMap(map));
+  result_.components = summary.components();
   return std::move(result_);
 }
 
@@ -189,15 +191,13 @@ absl::Status ReplayRecord::FetchClosures(AdminClient* admin, const std::string& 
     if (by_robot && origin == ours.end()) continue;
     row.proposer = ProposerName(by_robot ? v1::LOOP_CLOSURE_PROPOSER_ROBOT : status.proposer());
     row.score = status.score();
-    if (status.has_registration()) {
-      const v1::RegistrationFigures& figures = status.registration();
-      row.registration = RegistrationFigures{
-          figures.converged(),  figures.overlap(),          figures.overlap_threshold(),
-          figures.residual_m(), figures.residual_limit_m(), figures.open_directions()};
-    }
     row.verdict = VerdictName(status.verdict());
     row.weight = status.weight();
     row.chi_square = status.chi_square();
+    if (status.has_registration()) {
+      const v1::RegistrationFigures& figures = status.registration();
+      row.registration = {figures.overlap(), figures.residual_m(), figures.open_directions()};
+    }
     row.simulated = by_robot && origin->second->simulated;
     row.outlier = by_robot && origin->second->outlier;
     row.truth = JudgeClosure(row.closure, row.measured, input_.plans, input_.closure_tolerance);

@@ -92,14 +92,6 @@ Json RobotToJson(const RobotResult& robot) {
   return json;
 }
 
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
-  return absl::OkStatus();
-}
-
 }  // namespace
 
 absl::Status MakeFolder(const std::string& path) {
@@ -108,6 +100,14 @@ absl::Status MakeFolder(const std::string& path) {
   if (error) {
     return absl::UnavailableError(absl::StrCat("cannot make folder ", path, ": ", error.message()));
   }
+  return absl::OkStatus();
+}
+
+absl::Status WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
   return absl::OkStatus();
 }
 
@@ -149,6 +149,7 @@ Json Metrics(const RunResult& result) {
                  {"by_proposer", ClosuresToJson(result)}}},
                {"relations", RelationsToJson(result)},
                {"revision", result.revision},
+               {"components", result.components},
                {"wall_time_s", result.wall_time_s},
                {"robots", Json::array()}};
   for (const RobotResult& robot : result.robots) json["robots"].push_back(RobotToJson(robot));

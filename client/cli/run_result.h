@@ -16,7 +16,6 @@
 #include "overtone/core/geometry/se3.h"
 #include "overtone/core/geometry/trajectory_error.h"
 #include "overtone/core/graph/submap.h"
-#include "overtone/core/place_recognition/loop_candidate.h"
 #include "overtone/core/synchronization/constraint.h"
 
 namespace overtone {
@@ -86,19 +85,25 @@ struct ClosureTruth {
   bool right = false;               // measured, and close enough to the truth
 };
 
+// What the server's registration of a closure's two clouds gave.
+struct ClosureRegistration {
+  double overlap = 0;     // [0, 1]
+  double residual_m = 0;  // rms
+  int open_directions = 0;
+};
+
 struct ClosureResult {
   LoopClosure closure;             // MissionId::robot is the robot's name
   std::string proposer = "robot";  // "robot", "robot_score", "scan_context"
   bool measured = true;            // false: closure.from_tform_to is a guess
   double score = 0;                // similarity of the two places, [0, 1]; 0: none was computed
-  // Of the registration of their clouds; absent when there was none.
-  std::optional<RegistrationFigures> registration;
   std::string verdict;  // "accepted", "demoted_by_optimiser", "pending", "rejected_overlap", ...
   double weight = 0;    // [0, 1]
   double chi_square = 0;
-  std::optional<ClosureTruth> truth;  // absent: the ground truth does not know
-  bool simulated = false;             // made from ground truth
-  bool outlier = false;               // made wrong on purpose
+  std::optional<ClosureRegistration> registration;  // absent: there was none
+  std::optional<ClosureTruth> truth;                // absent: the ground truth does not know
+  bool simulated = false;                           // made from ground truth
+  bool outlier = false;                             // made wrong on purpose
 };
 
 // Of relative poses known to be true; means and medians over `count` of them.
@@ -120,6 +125,7 @@ struct RunResult {
   // Name and value of what steered the run (strategy, n, metric, ...), for people.
   std::vector<std::pair<std::string, std::string>> settings;
   uint64_t revision = 0;  // of the server's final map
+  int components = 0;     // of that map; 1: all robots are tied together
   double wall_time_s = 0;
   std::vector<RobotResult> robots;
   std::vector<ClosureResult> closures;

@@ -81,6 +81,11 @@ void AddOdometryFlags(CLI::App* command, SimulateOptions* options) {
       ->delimiter(',')
       ->check(CLI::IsMember({"yaw_drift", "degenerate", "jump"}))
       ->group(group);
+  command
+      ->add_option("--failing-robots", options->scenario.num_failing,
+                   "How many, from the first on, have --failures [all]")
+      ->check(CLI::Range(1, 100))
+      ->group(group);
   command->add_option("--yaw-rate", failures.yaw_rate_rps, "Of yaw_drift, rad/s")
       ->capture_default_str()
       ->group(group);

@@ -2,12 +2,12 @@
 #include "overtone/client/cli/simulation_files.h"
 
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
+#include "overtone/client/cli/results.h"
 #include "overtone/core/common/format_number.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/geometry/trajectory_io.h"
@@ -48,7 +48,8 @@ Json ToJson(const ScenarioOptions& options) {
           {"keyframe_distance_m", options.keyframes.min_distance_m},
           {"keyframe_rotation_rad", options.keyframes.min_rotation_rad},
           {"odometry", ToJson(options.odometry)},
-          {"failures", ToJson(options.failures)}};
+          {"failures", ToJson(options.failures)},
+          {"num_failing", options.num_failing}};
 }
 
 Json ToJson(const LidarOptions& options) {
@@ -73,21 +74,6 @@ Json ToJson(const ScenarioRobot& robot) {
           {"scan_seed", robot.scan_seed},
           {"keyframes", robot.ground_truth.size()},
           {"path_m", PathLength(robot.ground_truth)}};
-}
-
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.flush();
-  if (!file) return absl::UnavailableError(absl::StrCat(path, ": cannot be written"));
-  return absl::OkStatus();
-}
-
-absl::Status MakeFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!error) return absl::OkStatus();
-  return absl::UnavailableError(absl::StrCat(folder, ": ", error.message()));
 }
 
 absl::Status CheckEmpty(const std::string& folder) {

@@ -19,13 +19,16 @@
 namespace overtone {
 
 struct CovarianceOptions {
-  // A direction is open when less than this share of the measurements speaks for it.
-  double min_share = 0.02;
+  // A direction is open when less than this share of the measurements speaks for it. Pairs of a
+  // corridor taken for one another give up to 0.035 along its axis, for the sensor draws the same
+  // sparse pattern on every stretch of it, and the errors of the normals are the same; true pairs
+  // where something does hold have 0.07 and more.
+  double min_share = 0.05;
   // What no number of points averages out: calibration, distortion of the scan.
   double systematic_m = 0.01;
   double systematic_rad = 0.002;
   // Standard deviation along an open direction; of a rotation, at the points' distance.
-  double open_m = 100;
+  double open_m = 1e4;
   // Of what planar clouds hold: z, roll and pitch.
   double held_m = 0.01;
   double held_rad = 0.002;

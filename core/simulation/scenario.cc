@@ -82,12 +82,13 @@ Trajectory Drive(const ScenarioOptions& options, const World& world,
 }
 
 // Keeps the keyframes of whole trajectories, and marks those that come through the corridor.
-void KeepKeyframes(const ScenarioOptions& options, const Scene& scene, const Trajectory& truth,
-                   const Trajectory& odometry, ScenarioRobot* robot) {
+void KeepKeyframes(const KeyframeSelectionOptions& keyframes, const OdometryFailures& failures,
+                   const Scene& scene, const Trajectory& truth, const Trajectory& odometry,
+                   ScenarioRobot* robot) {
   int previous = 0;
-  for (const int i : SelectKeyframes(Poses(truth), options.keyframes)) {
+  for (const int i : SelectKeyframes(Poses(truth), keyframes)) {
     const bool degenerate =
-        options.failures.degenerate &&
+        failures.degenerate &&
         std::any_of(truth.begin() + previous, truth.begin() + i,
                     [&](const StampedPose& pose) { return InCorridor(scene, pose.pose); });
     if (degenerate) {
@@ -118,6 +119,7 @@ absl::Status CheckFailures(const OdometryFailures& failures, const Scene& scene,
 absl::Status ScenarioOptions::Validate() const {
   const OptionRange range("ScenarioOptions");
   RETURN_IF_ERROR(range.Check("num_robots", num_robots, 0, 100));
+  RETURN_IF_ERROR(range.Check("num_failing", num_failing, 0, 100));
   RETURN_IF_ERROR(range.Check("length_m", length_m, 0, 1e5));
   RETURN_IF_ERROR(range.Check("speed_mps", speed_mps, 0.1, 10));
   RETURN_IF_ERROR(range.Check("rate_hz", rate_hz, 1, 1000));
@@ -145,10 +147,12 @@ absl::StatusOr<Scenario> SimulateScenario(const ScenarioOptions& options) {
     Random own(random.Fork());
     robots[i].name = absl::StrCat("robot", i + 1);
     const Trajectory truth = Drive(options, world, ControlPoints(options, scene, i, own));
-    const MotionFault fault = MakeMotionFault(options.failures, scene, truth, own);
+    const bool fails = options.num_failing == 0 || i < options.num_failing;
+    const OdometryFailures failures = fails ? options.failures : OdometryFailures();
+    const MotionFault fault = MakeMotionFault(failures, scene, truth, own);
     const Trajectory odometry = SimulateOdometry(truth, options.odometry, own.Fork(), fault);
     robots[i].scan_seed = own.Fork();
-    KeepKeyframes(options, scene, truth, odometry, &robots[i]);
+    KeepKeyframes(options.keyframes, failures, scene, truth, odometry, &robots[i]);
   }
   return Scenario{std::move(scene), std::move(world), std::move(robots)};
 }

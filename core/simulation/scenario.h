@@ -36,6 +36,7 @@ struct ScenarioOptions {
   // A LiDAR odometry: about 1 % of the way.
   OdometryNoise odometry = {0.01, 3e-4, 1e-4, 1e-5, 0.003};
   OdometryFailures failures;
+  int num_failing = 0;  // the first so many robots have them; 0: all
 
   // InvalidArgument naming the member.
   absl::Status Validate() const;

@@ -243,6 +243,38 @@ TEST_F(EvidenceTest, PairsThatOnlyLookAlikeHoldTheirPlacesTogether) {
   EXPECT_LT(Rmse(snapshot->missions[0]), 1.5 * alone + 0.3);
 }
 
+// One corridor is like another: what leaves its axis open counts where the map expects it, as
+// weakly as it was measured, and proves nothing elsewhere.
+TEST_F(EvidenceTest, AClosureWithAnOpenDirectionIsUsedOnlyWhereTheMapExpectsIt) {
+  MultiRobotMap map = MakeMap();
+  Add(map, "a", Odometry("a"));
+  Add(map, "b", Odometry("b"));
+  const auto weak = [&](const NodeId& from, const NodeId& to, const Rigid3d& from_tform_to) {
+    LoopCandidate candidate = CandidateOf(MakeClosure(from, to, from_tform_to));
+    candidate.proposer = LoopEvidence::kScanContext;
+    candidate.registration = RegistrationFigures{true, 0.9, 0.6, 0.05, 0.1, 1};
+    candidate.covariance(0, 0) = 1e8;
+    return candidate;
+  };
+  const Rigid3d closed = truth_["a"][59].Inverse() * truth_["a"][0];
+  const NodeId first = {Mission("a"), 0}, last = {Mission("a"), 59};
+  ASSERT_TRUE(map.AddCandidate(weak(last, first, closed * Planar(2, 0, 0))).ok());
+  ASSERT_TRUE(map.AddCandidate(weak({Mission("a"), 30}, first, Rigid3d())).ok());
+  for (const int i : {5, 15, 25, 35}) {
+    const Rigid3d a_from_b = truth_["a"][i].Inverse() * truth_["b"][i];
+    ASSERT_TRUE(map.AddCandidate(weak({Mission("a"), i}, {Mission("b"), i}, a_from_b)).ok());
+  }
+  const auto snapshot = map.Optimise();
+  EXPECT_EQ(ToString(snapshot->closures[0].verdict), "accepted");
+  EXPECT_EQ(ToString(snapshot->closures[1].verdict), "rejected_degenerate");
+  EXPECT_THAT(Reason(snapshot->closures[1]), testing::HasSubstr("does not expect"));
+  for (int k = 2; k < 6; ++k) EXPECT_EQ(ToString(snapshot->closures[k].verdict), "quarantined");
+  EXPECT_FALSE(snapshot->missions[1].anchored);
+  // The 2 m along the open direction do not pull.
+  const Rigid3d end = snapshot->missions[0].map_from_body[59];
+  EXPECT_NEAR((odometry_["a"][59].translation - end.translation).norm(), 0, 0.5);
+}
+
 // A straight drive of 20 m of which the odometry measured half in the middle third; the closure at
 // its end puts the missing way where the robot said that it was blind.
 TEST(MultiRobotMap, DegenerateMotionTakesUpTheErrorAlongItsDirection) {

@@ -187,6 +187,22 @@ TEST(Scenario, LengthsAreAsWantedBeyondAndWithinTheRouteAndForManyRobots) {
   }
 }
 
+TEST(Scenario, FailuresAreThoseOfTheFirstRobotsWhenOnlySoManyFail) {
+  ScenarioOptions options;
+  options.scene = "corridor";
+  options.failures.degenerate = true;
+  options.num_failing = 1;
+  const Scenario scenario = Simulate(options);
+  ASSERT_EQ(scenario.robots.size(), 2u);
+  EXPECT_FALSE(scenario.robots[0].degenerate.empty());
+  EXPECT_TRUE(scenario.robots[1].degenerate.empty());
+  const auto measured_share = [](const ScenarioRobot& robot) {
+    return PathLength(robot.odometry) / PathLength(robot.ground_truth);
+  };
+  EXPECT_LT(measured_share(scenario.robots[0]), 0.95);
+  EXPECT_NEAR(measured_share(scenario.robots[1]), 1, 0.02);
+}
+
 TEST(Scenario, BadOptionsAreRefusedByName) {
   const auto message = [](auto set) {
     ScenarioOptions options;
@@ -196,6 +212,7 @@ TEST(Scenario, BadOptionsAreRefusedByName) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(message([](auto& o) { o.scene = "moon"; }), HasSubstr("moon"));
   EXPECT_THAT(message([](auto& o) { o.num_robots = 101; }), HasSubstr(".num_robots"));
+  EXPECT_THAT(message([](auto& o) { o.num_failing = -1; }), HasSubstr(".num_failing"));
   EXPECT_THAT(message([](auto& o) { o.length_m = -1; }), HasSubstr(".length_m"));
   EXPECT_THAT(message([](auto& o) { o.speed_mps = 0; }), HasSubstr(".speed_mps"));
   EXPECT_THAT(message([](auto& o) { o.rate_hz = 0; }), HasSubstr(".rate_hz"));
