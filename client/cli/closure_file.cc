@@ -91,12 +91,6 @@ std::string Text(const std::optional<double>& value) {
   return value.has_value() ? absl::StrFormat("%.6g", *value) : "";
 }
 
-std::string RegistrationColumns(const std::optional<RegistrationFigures>& figures) {
-  if (!figures.has_value()) return ",,,";
-  return absl::StrFormat(",%.4g,%.4g,%d", figures->overlap, figures->residual_m,
-                         figures->open_directions);
-}
-
 std::string TruthColumns(const std::optional<ClosureTruth>& truth) {
   if (!truth.has_value()) return ",,,,";
   return absl::StrCat(",", Text(truth->distance_m), ",", Text(truth->error_m), ",",

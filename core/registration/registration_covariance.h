@@ -28,7 +28,7 @@ struct CovarianceOptions {
   double systematic_m = 0.01;
   double systematic_rad = 0.002;
   // Standard deviation along an open direction; of a rotation, at the points' distance.
-  double open_m = 1e4;
+  double open_m = 100;
   // Of what planar clouds hold: z, roll and pitch.
   double held_m = 0.01;
   double held_rad = 0.002;

@@ -259,13 +259,13 @@ TEST_F(EvidenceTest, AClosureWithAnOpenDirectionIsUsedOnlyWhereTheMapExpectsIt) 
   const Rigid3d closed = truth_["a"][59].Inverse() * truth_["a"][0];
   const NodeId first = {Mission("a"), 0}, last = {Mission("a"), 59};
   ASSERT_TRUE(map.AddCandidate(weak(last, first, closed * Planar(2, 0, 0))).ok());
-  ASSERT_TRUE(map.AddCandidate(weak({Mission("a"), 30}, first, Rigid3d())).ok());
+  ASSERT_TRUE(map.AddCandidate(weak(last, first, closed * Planar(8, 0, 0))).ok());
   for (const int i : {5, 15, 25, 35}) {
     const Rigid3d a_from_b = truth_["a"][i].Inverse() * truth_["b"][i];
     ASSERT_TRUE(map.AddCandidate(weak({Mission("a"), i}, {Mission("b"), i}, a_from_b)).ok());
   }
   const auto snapshot = map.Optimise();
-  EXPECT_EQ(ToString(snapshot->closures[0].verdict), "accepted");
+  EXPECT_EQ(ToString(snapshot->closures[0].verdict), "accepted") << Reason(snapshot->closures[0]);
   EXPECT_EQ(ToString(snapshot->closures[1].verdict), "rejected_degenerate");
   EXPECT_THAT(Reason(snapshot->closures[1]), testing::HasSubstr("does not expect"));
   for (int k = 2; k < 6; ++k) EXPECT_EQ(ToString(snapshot->closures[k].verdict), "quarantined");
