@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "Eigen/Eigenvalues"
 #include "overtone/client/cli/key_values.h"
 #include "overtone/core/common/status_macros.h"
 
@@ -47,6 +48,19 @@ std::optional<Rigid3d> TruePose(const RobotPlan& plan, int64_t index, bool commo
   return *plan.common_from_world * *pose;
 }
 
+// Without what the measurement itself leaves open, as a corridor does along its axis.
+Eigen::Vector3d MeasuredPart(const Eigen::Vector3d& error, const Matrix6d& covariance) {
+  constexpr double kOpenSigma_m = 10;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      Eigen::Matrix3d(covariance.topLeftCorner<3, 3>()));
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();
+  for (int i = 0; i < 3; ++i) {
+    if (axes.eigenvalues()[i] > kOpenSigma_m * kOpenSigma_m) continue;
+    measured += error.dot(axes.eigenvectors().col(i)) * axes.eigenvectors().col(i);
+  }
+  return measured;
+}
+
 bool InUse(const ClosureResult& closure) {
   return closure.verdict == "accepted" || closure.verdict == "forced_by_operator";
 }
@@ -84,7 +98,7 @@ std::optional<ClosureTruth> JudgeClosure(const LoopClosure& closure, bool measur
     truth.error_m = std::abs(closure.from_tform_to.translation.norm() - truth.distance_m);
   } else {
     const Rigid3d error = from_tform_to.Inverse() * closure.from_tform_to;
-    truth.error_m = error.translation.norm();
+    truth.error_m = MeasuredPart(error.translation, closure.covariance).norm();
     truth.error_rad = LogSO3(error.rotation).norm();
   }
   truth.right = *truth.error_m <= tolerance.translation_m &&
