@@ -48,8 +48,8 @@ class Replay {
     address_ = options_.server;
     if (address_.empty()) {
       ASSIGN_OR_RETURN(server_,
-                       ServerProcess::Start(FindServerProgram(), {}, options_.out + "/server.log",
-                                            CheckInterrupted));
+                       ServerProcess::Start(FindServerProgram(), ServerArguments(),
+                                            options_.out + "/server.log", CheckInterrupted));
       address_ = server_->address();
       std::cerr << "Mapping server " << server_->pid() << " listens on " << address_ << "\n";
     }
@@ -62,6 +62,11 @@ class Replay {
       closures_before_ = map->loop_closures();
     }
     return absl::OkStatus();
+  }
+
+  std::vector<std::string> ServerArguments() const {
+    if (options_.server_config.empty()) return {};
+    return {"--config", options_.server_config};
   }
 
   absl::Status StartTeam() {

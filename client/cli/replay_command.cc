@@ -142,6 +142,11 @@ void AddRunFlags(CLI::App* command, ReplayOptions* options) {
       ->add_option("--server", options->server,
                    "host:port of a running mapping server [starts one of its own on a free port]")
       ->group(group);
+  command
+      ->add_option("--server-config", options->server_config,
+                   "YAML file for the server that the replay starts")
+      ->check(CLI::ExistingFile)
+      ->group(group);
   command->add_option("--map", options->map, "Map to build [one of this run's own]")->group(group);
   command
       ->add_option("--speed", options->speed,

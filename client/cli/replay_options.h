@@ -32,9 +32,10 @@ struct ReplayOptions {
   std::optional<double> keyframe_rotation_rad;
   std::string odometry_sigma;
 
-  std::string server;  // empty: one of our own
-  std::string map;     // empty: one of this run's own
-  double speed = 0;    // data seconds per second; 0: as fast as possible
+  std::string server;         // empty: one of our own
+  std::string server_config;  // of one of our own; empty: its defaults
+  std::string map;            // empty: one of this run's own
+  double speed = 0;           // data seconds per second; 0: as fast as possible
   double compare_every_s = 20;
   double reduction_percent = 0;
   double timeout_s = 300;
