@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/core/place_recognition/field_of_view.h"
 
 namespace overtone {
 namespace {
@@ -20,15 +20,6 @@ absl::Status CheckRequirements(const CloudRequirements& required, absl::string_v
     return absl::InvalidArgumentError(absl::StrCat(prefix, "max_residual_m must be positive"));
   }
   return absl::OkStatus();
-}
-
-bool IsPlanar(const PointCloud& cloud, double thickness_m) {
-  float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
-  for (const Eigen::Vector3f& point : cloud.points) {
-    lowest = std::min(lowest, point.z());
-    highest = std::max(highest, point.z());
-  }
-  return highest - lowest <= thickness_m;
 }
 
 }  // namespace
@@ -53,7 +44,8 @@ absl::StatusOr<std::shared_ptr<const RegistrationPyramid>> CloudVerifier::Pyrami
     const PlaceView& view) const {
   {
     absl::MutexLock lock(&mutex_);
-    std::shared_ptr<const RegistrationPyramid> known = pyramids_.Find(view.node);
+    std::shared_ptr<const RegistrationPyramid> known =
+        pyramids_.Find({view.node, view.single_scan});
     if (known != nullptr) return known;
   }
   const bool planar = IsPlanar(*view.cloud, options_.planar_registration.planar_thickness_m);
@@ -61,7 +53,7 @@ absl::StatusOr<std::shared_ptr<const RegistrationPyramid>> CloudVerifier::Pyrami
                    RegistrationPyramid::Create(*view.cloud, OptionsFor(planar)));
   auto pyramid = std::make_shared<const RegistrationPyramid>(std::move(made));
   absl::MutexLock lock(&mutex_);
-  pyramids_.Insert(view.node, pyramid);
+  pyramids_.Insert({view.node, view.single_scan}, pyramid);
   return pyramid;
 }
 

@@ -4,6 +4,7 @@
 #define OVERTONE_CORE_MAPPING_CLOUD_VERIFIER_H_
 
 #include <memory>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -53,7 +54,8 @@ class CloudVerifier final : public LoopVerifier {
 
   const CloudVerifierOptions options_;
   mutable absl::Mutex mutex_;
-  mutable LruCache<NodeId, RegistrationPyramid> pyramids_ ABSL_GUARDED_BY(mutex_);
+  // By keyframe, and whether it is its own scan alone.
+  mutable LruCache<std::pair<NodeId, bool>, RegistrationPyramid> pyramids_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace overtone

@@ -57,10 +57,19 @@ void MultiRobotMap::State::AppendKeyframes(const Submap& submap, int position) {
           mission.map_from_body.back() * mission.keyframes.back().mission_from_body.Inverse();
     }
     mission.map_from_body.push_back(map_from_mission * keyframe.mission_from_body);
+    Motion motion;
+    if (!mission.keyframes.empty()) {
+      motion.previous_from_this =
+          mission.keyframes.back().mission_from_body.Inverse() * keyframe.mission_from_body;
+    }
     mission.keyframes.push_back(keyframe);
-    odometry[position].Append(
-        keyframe.mission_from_body,
-        MotionCovariance(mission, static_cast<int64_t>(mission.keyframes.size()) - 1));
+    motion.covariance =
+        MotionCovariance(mission, static_cast<int64_t>(mission.keyframes.size()) - 1);
+    UncertainTrajectory& path = odometry[position];
+    path.Append(path.Size() == 0 ? keyframe.mission_from_body
+                                 : path.Pose(path.Size() - 1) * motion.previous_from_this,
+                motion.covariance);
+    motions[position].push_back(motion);
   }
 }
 
@@ -102,26 +111,6 @@ void MultiRobotMap::State::InsertCandidate(const LoopCandidate& candidate) {
   decisions.push_back(Decision::kNone);
   consistency_row.push_back(-1);
   dirty = true;
-}
-
-// The odometry's own, and where the robot flags the motion degenerate as much more as it may be
-// wrong: along the direction it names, or in all.
-Matrix6d MultiRobotMap::State::MotionCovariance(const SnapshotMission& mission,
-                                                int64_t index) const {
-  const Keyframe& keyframe = mission.keyframes[index];
-  Matrix6d covariance = keyframe.motion_covariance;
-  if (!keyframe.degenerate || index == 0) return covariance;
-  const double length = (keyframe.mission_from_body.translation -
-                         mission.keyframes[index - 1].mission_from_body.translation)
-                            .norm();
-  const double variance = std::pow(options.degenerate_motion_share * length, 2);
-  const Eigen::Vector3d& direction = keyframe.degenerate_direction;
-  if (direction.isZero()) {
-    covariance.topLeftCorner<3, 3>().diagonal().array() += variance;
-  } else {
-    covariance.topLeftCorner<3, 3>() += variance * direction * direction.transpose();
-  }
-  return covariance;
 }
 
 const Rigid3d* MultiRobotMap::State::PoseOf(const NodeId& node) const {
@@ -217,6 +206,7 @@ absl::Status MultiRobotMap::AddSubmap(const MissionId& id, const Submap& submap)
     fresh.id = id;
     fresh.component = position;
     state_->odometry.emplace_back();
+    state_->motions.emplace_back();
   }
   state_->AppendKeyframes(submap, position);
   state_->AppendMeasurements(id, submap);
@@ -248,6 +238,7 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
   State& state = *state_;
   state.dirty = false;
   ++state.revision;
+  state.FollowRefinedMotions();
   state.ActivateClosures();
   state.ActivateSightings();
   state.JudgeConsistency();

@@ -53,6 +53,14 @@ struct MultiRobotMapOptions {
   absl::Status Validate() const;
 };
 
+// The motion into a keyframe from the one before it, measured a second time: by registering what
+// their sensors saw.
+struct MotionMeasurement {
+  NodeId to;
+  Rigid3d previous_from_this;
+  Matrix6d covariance = Matrix6d::Identity();  // right tangent of previous_from_this
+};
+
 // Not thread-safe: one mapping thread owns it.
 class MultiRobotMap {
  public:
@@ -82,6 +90,11 @@ class MultiRobotMap {
   // A pair that only looks alike, and that nobody can measure: used as a weak tie of positions
   // where its ends share a frame already; it joins no frames.
   absl::Status AddScoredCandidate(const ScoredCandidate& candidate);
+
+  // Fuses it with odometry, by their covariances; one that contradicts odometry is left out.
+  // NotFound: no such keyframe, or it is its mission's first. InvalidArgument: a covariance that is
+  // not positive definite.
+  absl::Status AddMotion(const MotionMeasurement& motion);
 
   // An operator's word on a candidate. NotFound: no such id. Force: FailedPrecondition when it has
   // no relative pose.

@@ -17,16 +17,16 @@ int RowOf(const MapProblem& problem, int mission, int64_t index) {
 void MultiRobotMap::State::AddMissions(MapProblem& problem) const {
   PoseGraph& graph = problem.graph;
   graph.poses = {Rigid3d()};  // the world
-  for (const SnapshotMission& mission : missions) {
+  for (size_t m = 0; m < missions.size(); ++m) {
+    const SnapshotMission& mission = missions[m];
     const int first = static_cast<int>(graph.poses.size());
     problem.first_pose.push_back(first);
     graph.poses.insert(graph.poses.end(), mission.map_from_body.begin(),
                        mission.map_from_body.end());
     for (int i = 1; i < static_cast<int>(mission.keyframes.size()); ++i) {
-      graph.edges.push_back({first + i - 1, first + i,
-                             mission.keyframes[i - 1].mission_from_body.Inverse() *
-                                 mission.keyframes[i].mission_from_body,
-                             MotionCovariance(mission, i).inverse(), EdgeKind::kOdometry});
+      const Motion& motion = motions[m][i];
+      graph.edges.push_back({first + i - 1, first + i, motion.previous_from_this,
+                             motion.covariance.inverse(), EdgeKind::kOdometry});
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a MultiRobotMap holds, and the steps of one optimisation. Internal: its sources share it.
 //   multi_robot_map.cc              what comes in, and what goes out as a snapshot
+//   multi_robot_map_motions.cc      odometry, and what makes it finer
 //   multi_robot_map_decisions.cc    what an operator says
 //   multi_robot_map_activation.cc   what has come complete and takes part from now on
 //   multi_robot_map_consistency.cc  which closures between two missions agree
@@ -68,7 +69,14 @@ struct MultiRobotMap::State {
   uint64_t revision = 0;
   bool dirty = false;
   std::vector<SnapshotMission> missions;
-  std::vector<UncertainTrajectory> odometry;  // of each mission
+  // Of each mission: the motion into each keyframe, odometry's or finer, and the path they make.
+  struct Motion {
+    Rigid3d previous_from_this;
+    Matrix6d covariance = Matrix6d::Identity();
+  };
+  std::vector<std::vector<Motion>> motions;
+  std::vector<UncertainTrajectory> odometry;
+  std::set<int> refined;  // missions whose path is not made anew yet
   std::map<MissionId, int> position_of;
 
   std::vector<ClosureRecord> closures;
@@ -94,6 +102,8 @@ struct MultiRobotMap::State {
   void AppendKeyframes(const Submap& submap, int position);
   void AppendMeasurements(const MissionId& mission, const Submap& submap);
   void InsertCandidate(const LoopCandidate& candidate);
+  absl::Status RefineMotion(const MotionMeasurement& measurement, int position);
+  void FollowRefinedMotions();
   Matrix6d MotionCovariance(const SnapshotMission& mission, int64_t index) const;
 
   // nullptr: not in the map yet.

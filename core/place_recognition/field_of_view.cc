@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <limits>
 
 namespace overtone {
 
@@ -16,6 +17,15 @@ bool SeesAllAround(const PointCloud& cloud) {
     seen.set(std::min(static_cast<int>(turns * kSectors), kSectors - 1));
   }
   return seen.count() >= kEnough;
+}
+
+bool IsPlanar(const PointCloud& cloud, double thickness_m) {
+  float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
+  for (const Eigen::Vector3f& point : cloud.points) {
+    lowest = std::min(lowest, point.z());
+    highest = std::max(highest, point.z());
+  }
+  return highest - lowest <= thickness_m;
 }
 
 }  // namespace overtone

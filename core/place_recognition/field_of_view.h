@@ -10,6 +10,9 @@ namespace overtone {
 // degrees), as a spinning sensor's do anywhere but next to wide open ground. O(points).
 bool SeesAllAround(const PointCloud& cloud);
 
+// True for a planar laser: its points all have one height in the body frame. O(points).
+bool IsPlanar(const PointCloud& cloud, double thickness_m);
+
 }  // namespace overtone
 
 #endif  // OVERTONE_CORE_PLACE_RECOGNITION_FIELD_OF_VIEW_H_

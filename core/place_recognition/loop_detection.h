@@ -22,6 +22,7 @@ struct PlaceView {
   double travelled_m = 0;                   // along its mission by odometry
   Eigen::Quaterniond mission_from_body;     // odometry's
   std::shared_ptr<const PointCloud> cloud;  // in the keyframe's body frame
+  bool single_scan = false;                 // nothing was gathered around it
 };
 
 // Finds places that look alike. Not thread-safe.

@@ -15,13 +15,14 @@ void CloudLibrary::AddSubmap(const MissionId& mission, const Submap& submap) {
   absl::MutexLock lock(&mutex_);
   std::vector<KeyframeEntry>& entries = missions_[mission];
   for (const Keyframe& keyframe : submap.keyframes) {
-    double travelled_m = 0;
+    KeyframeEntry entry;
+    entry.mission_from_body = keyframe.mission_from_body;
     if (!entries.empty()) {
-      travelled_m = entries.back().travelled_m + (keyframe.mission_from_body.translation -
-                                                  entries.back().mission_from_body.translation)
-                                                     .norm();
+      entry.previous_from_this =
+          entries.back().mission_from_body.Inverse() * keyframe.mission_from_body;
+      entry.travelled_m = entries.back().travelled_m + entry.previous_from_this.translation.norm();
     }
-    entries.push_back({keyframe.mission_from_body, travelled_m, false, nullptr});
+    entries.push_back(std::move(entry));
   }
   for (const KeyframeCloud& cloud : submap.clouds) entries[cloud.index].expects_cloud = true;
 }
@@ -65,22 +66,46 @@ bool CloudLibrary::ExpectsCloud(const NodeId& node) const {
   return entry != nullptr && entry->expects_cloud;
 }
 
+Rigid3d CloudLibrary::MotionInto(const NodeId& node) const {
+  absl::MutexLock lock(&mutex_);
+  const KeyframeEntry* entry = Find(node);
+  return entry == nullptr ? Rigid3d() : entry->previous_from_this;
+}
+
+void CloudLibrary::SetMotionInto(const NodeId& node, const Rigid3d& previous_from_this) {
+  absl::MutexLock lock(&mutex_);
+  KeyframeEntry* entry = Find(node);
+  if (entry != nullptr) entry->previous_from_this = previous_from_this;
+}
+
 absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const NodeId& node,
-                                                                      double* travelled_m) const {
+                                                                      PlaceView* view) const {
   absl::MutexLock lock(&mutex_);
   const KeyframeEntry* own = Find(node);
   if (own == nullptr || own->blob == nullptr) {
     return absl::NotFoundError(absl::StrCat(ToString(node), " has no cloud"));
   }
-  *travelled_m = own->travelled_m;
+  view->node = node;
+  view->travelled_m = own->travelled_m;
+  view->mission_from_body = own->mission_from_body.rotation;
   const std::vector<KeyframeEntry>& entries = missions_.at(node.mission);
   std::vector<Part> parts;
+  Rigid3d newest_from_this;
   for (int64_t i = node.index; i >= 0; --i) {
     if (own->travelled_m - entries[i].travelled_m > gather_length_m_) break;
-    if (entries[i].blob == nullptr) continue;
-    parts.push_back({entries[i].mission_from_body, entries[i].blob});
+    if (entries[i].blob != nullptr) parts.push_back({newest_from_this, entries[i].blob});
+    newest_from_this = newest_from_this * entries[i].previous_from_this.Inverse();
   }
   return parts;
+}
+
+absl::StatusOr<PlaceView> CloudLibrary::Scan(const NodeId& node) const {
+  PlaceView view;
+  ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view));
+  ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*parts.front().blob));
+  view.cloud = std::make_shared<const PointCloud>(std::move(cloud));
+  view.single_scan = true;
+  return view;
 }
 
 // In the body frame of the first part, the newest keyframe.
@@ -90,7 +115,7 @@ PointCloud CloudLibrary::Gather(const std::vector<Part>& parts) const {
     absl::StatusOr<PointCloud> cloud = DecodePointCloud(*part->blob);
     if (!cloud.ok()) continue;
     keyframes.push_back(
-        {part->mission_from_body, std::make_shared<const PointCloud>(*std::move(cloud))});
+        {part->newest_from_this, std::make_shared<const PointCloud>(*std::move(cloud))});
   }
   return GatherClouds(keyframes, gather_length_m_);
 }
@@ -102,10 +127,8 @@ absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId
     if (known != nullptr) return known;
   }
   PlaceView view;
-  view.node = node;
-  ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view.travelled_m));
+  ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view));
   ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*parts.front().blob));
-  view.mission_from_body = parts.front().mission_from_body.rotation;
   if (parts.size() > 1 && !SeesAllAround(cloud)) cloud = Gather(parts);
   view.cloud = std::make_shared<const PointCloud>(std::move(cloud));
   auto shared = std::make_shared<const PlaceView>(std::move(view));

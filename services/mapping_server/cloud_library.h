@@ -38,16 +38,24 @@ class CloudLibrary {
   // NotFound: no cloud of that keyframe. InvalidArgument: it cannot be decoded. Others
   // that cannot are left out.
   absl::StatusOr<std::shared_ptr<const PlaceView>> View(const NodeId& node);
+  // The keyframe's own cloud alone.
+  absl::StatusOr<PlaceView> Scan(const NodeId& node) const;
+
+  // The motion into a keyframe from the one before it, by which views made from now on are
+  // gathered: odometry's until a finer one is set. Identity for a mission's first keyframe.
+  Rigid3d MotionInto(const NodeId& node) const;
+  void SetMotionInto(const NodeId& node, const Rigid3d& previous_from_this);
 
  private:
   struct KeyframeEntry {
-    Rigid3d mission_from_body;
+    Rigid3d mission_from_body;   // odometry
+    Rigid3d previous_from_this;  // finer, perhaps
     double travelled_m = 0;
     bool expects_cloud = false;
     std::shared_ptr<const std::string> blob;  // null: none yet
   };
   struct Part {
-    Rigid3d mission_from_body;
+    Rigid3d newest_from_this;
     std::shared_ptr<const std::string> blob;
   };
 
@@ -55,7 +63,7 @@ class CloudLibrary {
   const KeyframeEntry* Find(const NodeId& node) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   PointCloud Gather(const std::vector<Part>& parts) const;
   // The node's own cloud first, then those of the keyframes before it.
-  absl::StatusOr<std::vector<Part>> PartsOf(const NodeId& node, double* travelled_m) const;
+  absl::StatusOr<std::vector<Part>> PartsOf(const NodeId& node, PlaceView* view) const;
 
   const double gather_length_m_;
   mutable absl::Mutex mutex_;

@@ -33,7 +33,8 @@ HostedMap::HostedMap(std::string id, const ServerOptions& options)
           }),
       detector_(options.loop_closures,
                 {[this](LoopCandidate candidate) { pipeline_.AddCandidate(std::move(candidate)); },
-                 [this](const ScoredCandidate& pair) { pipeline_.AddScoredCandidate(pair); }}) {
+                 [this](const ScoredCandidate& pair) { pipeline_.AddScoredCandidate(pair); },
+                 [this](const MotionMeasurement& motion) { pipeline_.AddMotion(motion); }}) {
   SubmapStore::Sink sink;
   sink.on_submap = [this](const MissionId& mission, std::shared_ptr<const Submap> submap) {
     pipeline_.AddSubmap(mission, submap);

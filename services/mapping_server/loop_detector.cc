@@ -4,11 +4,17 @@
 #include <utility>
 
 #include "overtone/core/common/status_macros.h"
+#include "overtone/core/mapping/loop_closure.h"
+#include "overtone/core/place_recognition/field_of_view.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
+
+// Between neighbouring keyframes odometry is never so wrong: the registration has slipped.
+constexpr double kMaxRefinementM = 1;
+constexpr double kMaxRefinementRad = 0.5;
 
 // Nothing but the score is known: the verifier starts from one and the same pose.
 LoopCandidate CandidateOf(const ScoredCandidate& pair) {
@@ -40,7 +46,8 @@ LoopDetector::LoopDetector(const LoopDetectorOptions& options, Sink sink)
       verifier_(std::make_unique<CloudVerifier>(options.verifier, options.max_views)),
       library_(options.gather_length_m, options.max_views),
       proposer_(std::make_unique<ScanContextProposer>(options.proposer)),
-      pool_(options.enabled ? options.num_threads : 0) {}
+      pool_(options.enabled ? options.num_threads : 0),
+      describer_(options.enabled ? 1 : 0) {}
 
 void LoopDetector::AddSubmap(const MissionId& mission, const Submap& submap) {
   if (options_.enabled) library_.AddSubmap(mission, submap);
@@ -55,7 +62,7 @@ void LoopDetector::AddSubmap(const MissionId& mission, const Submap& submap) {
 void LoopDetector::AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
   if (!options_.enabled) return;
   library_.AddCloud(node, std::move(blob));
-  pool_.Post([this, node] { Describe(node); });
+  describer_.Post([this, node] { Describe(node); });
   SortWaiting();
 }
 
@@ -69,7 +76,38 @@ std::optional<LoopCandidate> LoopDetector::MostSimilar(const NodeId& node) const
   return proposer_->MostSimilar(node);
 }
 
+// A planar scan against what the keyframe before it had gathered.
+absl::Status LoopDetector::RefineMotion(const NodeId& node) {
+  const NodeId previous = {node.mission, node.index - 1};
+  if (node.index < 1 || !library_.HasCloud(previous)) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const PlaceView scan, library_.Scan(node));
+  if (!IsPlanar(*scan.cloud, options_.verifier.planar_registration.planar_thickness_m)) {
+    return absl::OkStatus();
+  }
+  ASSIGN_OR_RETURN(const std::shared_ptr<const PlaceView> before, library_.View(previous));
+  LoopCandidate motion;
+  motion.from = previous;
+  motion.to = node;
+  motion.from_tform_to = library_.MotionInto(node);
+  RETURN_IF_ERROR(verifier_->Verify(*before, scan, motion));
+  if (JudgeFigures(motion) != ClosureVerdict::kPending) return absl::OkStatus();
+  const Rigid3d error = library_.MotionInto(node).Inverse() * motion.from_tform_to;
+  if (error.translation.norm() > kMaxRefinementM ||
+      LogSO3(error.rotation).norm() > kMaxRefinementRad) {
+    return absl::OkStatus();
+  }
+  if (!IsWeak(motion)) library_.SetMotionInto(node, motion.from_tform_to);
+  sink_.on_motion({node, motion.from_tform_to, motion.covariance});
+  return absl::OkStatus();
+}
+
 void LoopDetector::Describe(const NodeId& node) {
+  if (options_.refine_planar_motion) {
+    const absl::Status status = RefineMotion(node);
+    if (!status.ok()) {
+      spdlog::debug("motion into {} not refined: {}", ToString(node), status.ToString());
+    }
+  }
   const auto view = library_.View(node);
   if (!view.ok()) {
     spdlog::warn("no loops at {}: {}", ToString(node), view.status().ToString());

@@ -17,6 +17,7 @@
 #include "absl/synchronization/mutex.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/mapping/cloud_verifier.h"
+#include "overtone/core/mapping/multi_robot_map.h"
 #include "overtone/core/place_recognition/loop_detection.h"
 #include "overtone/core/place_recognition/scan_context_proposer.h"
 #include "overtone/services/mapping_server/cloud_library.h"
@@ -32,6 +33,9 @@ struct LoopDetectorOptions {
   // Where the sensor does not see all around, a view gathers the clouds of the keyframes so far
   // back, metres: one scan alone sees too little.
   double gather_length_m = 4;
+  // Register each scan of a planar laser against what was seen just before it: wheel odometry is
+  // much the coarser of the two.
+  bool refine_planar_motion = true;
   // Views and their registration pyramids kept ready; beyond, they are made again.
   int max_views = 256;
   ScanContextProposerOptions proposer;
@@ -46,6 +50,8 @@ class LoopDetector {
   struct Sink {
     std::function<void(LoopCandidate)> on_candidate;      // looked at closer
     std::function<void(ScoredCandidate)> on_scored_pair;  // that has no clouds to look at
+    // The motion between two keyframes, by their clouds.
+    std::function<void(MotionMeasurement)> on_motion;
   };
 
   // The sink is called from its threads, from AddSubmap and from CloudGone.
@@ -58,13 +64,17 @@ class LoopDetector {
   void CloudGone(const NodeId& node);
 
   // Clouds and candidates that are still to be looked at.
-  int64_t backlog() const { return pool_.backlog(); }
+  int64_t backlog() const {
+    const int64_t to_describe = describer_.backlog();  // first: what it leaves is in the pool then
+    return to_describe + pool_.backlog();
+  }
 
   // The place that looks most like this one. Absent: no cloud here, or none elsewhere.
   std::optional<LoopCandidate> MostSimilar(const NodeId& node) const;
 
  private:
   void Describe(const NodeId& node);
+  absl::Status RefineMotion(const NodeId& node);
   void Verify(LoopCandidate candidate);
   // Sends scored pairs on their way: whose clouds are there, to the verifier; one of whose clouds
   // will not come, as they are. The others wait.
@@ -77,7 +87,8 @@ class LoopDetector {
   mutable absl::Mutex mutex_;
   const std::unique_ptr<LoopProposer> proposer_ ABSL_PT_GUARDED_BY(mutex_);
   std::vector<ScoredCandidate> waiting_ ABSL_GUARDED_BY(mutex_);
-  WorkerPool pool_;  // last: its tasks use everything above
+  WorkerPool pool_;       // verifies; its tasks use everything above
+  WorkerPool describer_;  // one thread: clouds are described in the order in which they come
 };
 
 }  // namespace overtone

@@ -43,6 +43,10 @@ void MappingPipeline::AddScoredCandidate(const ScoredCandidate& candidate) {
   Enqueue([candidate](MultiRobotMap& map) { return map.AddScoredCandidate(candidate); });
 }
 
+void MappingPipeline::AddMotion(const MotionMeasurement& motion) {
+  Enqueue([motion](MultiRobotMap& map) { return map.AddMotion(motion); });
+}
+
 void MappingPipeline::Decide(Decision decision, std::function<void(const absl::Status&)> done) {
   {
     absl::MutexLock lock(&mutex_);

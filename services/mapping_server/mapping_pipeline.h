@@ -36,6 +36,7 @@ class MappingPipeline {
   void AddLoopClosure(const LoopClosure& closure);
   void AddCandidate(LoopCandidate candidate);
   void AddScoredCandidate(const ScoredCandidate& candidate);
+  void AddMotion(const MotionMeasurement& motion);
 
   // An operator's decision, taken on the mapping thread between two optimisations; `done` is called
   // there with its result. Unavailable: the server is shutting down.

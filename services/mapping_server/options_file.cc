@@ -106,6 +106,7 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"loop_closures.enabled", Into(loops.enabled)},
       {"loop_closures.num_threads", Into(loops.num_threads)},
       {"loop_closures.gather_length_m", Into(loops.gather_length_m)},
+      {"loop_closures.refine_planar_motion", Into(loops.refine_planar_motion)},
       {"loop_closures.max_views", Into(loops.max_views)},
       {"loop_closures.min_range_m", Into(loops.proposer.context.min_range_m)},
       {"loop_closures.max_range_m", Into(loops.proposer.context.max_range_m)},

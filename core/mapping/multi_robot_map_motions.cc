@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "Eigen/Cholesky"
+#include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/core/estimation/square_root_information.h"
+#include "overtone/core/mapping/multi_robot_map_state.h"
+
+namespace overtone {
+
+// The odometry's own, and where the robot flags the motion degenerate as much more as it may be
+// wrong: along the direction it names, or in all.
+Matrix6d MultiRobotMap::State::MotionCovariance(const SnapshotMission& mission,
+                                                int64_t index) const {
+  const Keyframe& keyframe = mission.keyframes[index];
+  Matrix6d covariance = keyframe.motion_covariance;
+  if (!keyframe.degenerate || index == 0) return covariance;
+  const double length = (keyframe.mission_from_body.translation -
+                         mission.keyframes[index - 1].mission_from_body.translation)
+                            .norm();
+  const double variance = std::pow(options.degenerate_motion_share * length, 2);
+  const Eigen::Vector3d& direction = keyframe.degenerate_direction;
+  if (direction.isZero()) {
+    covariance.topLeftCorner<3, 3>().diagonal().array() += variance;
+  } else {
+    covariance.topLeftCorner<3, 3>() += variance * direction * direction.transpose();
+  }
+  return covariance;
+}
+
+// Two Gaussians on one motion: the product. Exp(e) takes odometry's to the measured one.
+absl::Status MultiRobotMap::State::RefineMotion(const MotionMeasurement& measurement,
+                                                int position) {
+  const Matrix6d information = measurement.covariance.inverse();
+  RETURN_IF_ERROR(SquareRootInformation(measurement.covariance).status());
+  RETURN_IF_ERROR(SquareRootInformation(information).status());
+  Motion& motion = motions[position][measurement.to.index];
+  const Vector6d error = Log(motion.previous_from_this.Inverse() * measurement.previous_from_this);
+  const Matrix6d both = motion.covariance + measurement.covariance;
+  if (error.dot(both.ldlt().solve(error)) > options.consistency_chi_square_limit) {
+    return absl::OkStatus();
+  }
+  const Matrix6d fused = (motion.covariance.inverse() + information).inverse();
+  motion.previous_from_this = motion.previous_from_this * Exp(fused * (information * error));
+  motion.covariance = 0.5 * (fused + fused.transpose());
+  refined.insert(position);
+  dirty = true;
+  return absl::OkStatus();
+}
+
+// Closures compared before along the coarser path stay compared: a motion is refined with its
+// keyframe's cloud, before candidates that end there come.
+void MultiRobotMap::State::FollowRefinedMotions() {
+  for (const int position : refined) {
+    UncertainTrajectory path;
+    Rigid3d pose = missions[position].keyframes.front().mission_from_body;
+    for (size_t i = 0; i < motions[position].size(); ++i) {
+      const Motion& motion = motions[position][i];
+      if (i > 0) pose = pose * motion.previous_from_this;
+      path.Append(pose, motion.covariance);
+    }
+    odometry[position] = std::move(path);
+  }
+  refined.clear();
+}
+
+absl::Status MultiRobotMap::AddMotion(const MotionMeasurement& motion) {
+  const Rigid3d* pose = motion.to.index < 1 ? nullptr : state_->PoseOf(motion.to);
+  if (pose == nullptr) {
+    return absl::NotFoundError(absl::StrCat("to: no motion into ", ToString(motion.to)));
+  }
+  return state_->RefineMotion(motion, state_->PositionOf(motion.to));
+}
+
+}  // namespace overtone
