@@ -73,6 +73,9 @@ absl::Status CloudVerifier::Verify(const PlaceView& from, const PlaceView& to,
   ASSIGN_OR_RETURN(
       const RegistrationResult result,
       RegisterCoarseToFine(*source, *target, candidate.from_tform_to, OptionsFor(planar)));
+  if (!result.covariance.allFinite()) {
+    return absl::InvalidArgumentError("the clouds leave the relative pose without a covariance");
+  }
   RegistrationFigures figures;
   figures.converged = result.converged &&
                       result.target_from_source.translation.norm() <= options_.max_translation_m;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 
 #include "Eigen/Cholesky"
@@ -44,23 +45,52 @@ absl::Status MultiRobotMap::State::RefineMotion(const MotionMeasurement& measure
   const Matrix6d fused = (motion.covariance.inverse() + information).inverse();
   motion.previous_from_this = motion.previous_from_this * Exp(fused * (information * error));
   motion.covariance = 0.5 * (fused + fused.transpose());
-  refined.insert(position);
+  const auto [entry, fresh] = refined.insert({position, measurement.to.index});
+  if (!fresh) entry->second = std::min(entry->second, measurement.to.index);
   dirty = true;
   return absl::OkStatus();
 }
 
-// Closures compared before along the coarser path stay compared: a motion is refined with its
-// keyframe's cloud, before candidates that end there come.
+// Up to it something beside odometry holds the mission's poses; -1: nothing does.
+int64_t MultiRobotMap::State::LastTiedIndex(int position) const {
+  const MissionId& mission = missions[position].id;
+  int64_t last = -1;
+  const auto tied = [&](const NodeId& node) {
+    if (node.mission == mission) last = std::max(last, node.index);
+  };
+  for (const ClosureRecord& record : closures) {
+    if (!InUse(record.verdict)) continue;
+    tied(record.candidate.from);
+    tied(record.candidate.to);
+  }
+  for (const SightingRecord& sighting : sightings) {
+    if (sighting.pending || sighting.weight <= 0) continue;
+    tied(sighting.observer);
+    if (sighting.landmark.empty()) tied(sighting.target);
+  }
+  for (const AbsoluteRecord& absolute : absolutes) {
+    if (absolute.weight > 0) tied(absolute.node);
+  }
+  return last;
+}
+
+// The path that closures are compared along, and the poses that only odometry holds as yet: the
+// solver had better begin there than at the coarser ones. Closures compared before stay compared: a
+// motion is refined with its keyframe's cloud, before candidates that end there come.
 void MultiRobotMap::State::FollowRefinedMotions() {
-  for (const int position : refined) {
+  for (const auto& [position, first] : refined) {
+    const std::vector<Motion>& motions_of_mission = motions[position];
     UncertainTrajectory path;
     Rigid3d pose = missions[position].keyframes.front().mission_from_body;
-    for (size_t i = 0; i < motions[position].size(); ++i) {
-      const Motion& motion = motions[position][i];
-      if (i > 0) pose = pose * motion.previous_from_this;
-      path.Append(pose, motion.covariance);
+    for (size_t i = 0; i < motions_of_mission.size(); ++i) {
+      if (i > 0) pose = pose * motions_of_mission[i].previous_from_this;
+      path.Append(pose, motions_of_mission[i].covariance);
     }
     odometry[position] = std::move(path);
+    std::vector<Rigid3d>& poses = missions[position].map_from_body;
+    for (size_t i = std::max(first, LastTiedIndex(position) + 1); i < poses.size(); ++i) {
+      poses[i] = poses[i - 1] * motions_of_mission[i].previous_from_this;
+    }
   }
   refined.clear();
 }

@@ -76,7 +76,7 @@ struct MultiRobotMap::State {
   };
   std::vector<std::vector<Motion>> motions;
   std::vector<UncertainTrajectory> odometry;
-  std::set<int> refined;  // missions whose path is not made anew yet
+  std::map<int, int64_t> refined;  // missions whose path is not made anew yet, and from where
   std::map<MissionId, int> position_of;
 
   std::vector<ClosureRecord> closures;
@@ -104,6 +104,7 @@ struct MultiRobotMap::State {
   void InsertCandidate(const LoopCandidate& candidate);
   absl::Status RefineMotion(const MotionMeasurement& measurement, int position);
   void FollowRefinedMotions();
+  int64_t LastTiedIndex(int position) const;
   Matrix6d MotionCovariance(const SnapshotMission& mission, int64_t index) const;
 
   // nullptr: not in the map yet.

@@ -160,7 +160,10 @@ RegistrationCovariance EstimateCovariance(const RegistrationCloud& source,
   result.covariance.diagonal() = Squares(options.open_m, M_PI);
   const std::vector<SurfacePair> pairs =
       SurfacePairs(source, target, target_from_source, target_of_source, max_distance_m);
-  if (!pairs.empty()) {
+  // Pairs may be there and speak for nothing: lone points, whose normals are a guess.
+  const bool measured = std::any_of(pairs.begin(), pairs.end(),
+                                    [](const SurfacePair& pair) { return pair.measurements > 0; });
+  if (measured) {
     const Extent extent = ExtentOf(pairs);
     result.residual_m = ResidualRms(pairs);
     const Inverse inverse =

@@ -15,6 +15,8 @@ namespace {
 // Between neighbouring keyframes odometry is never so wrong: the registration has slipped.
 constexpr double kMaxRefinementM = 1;
 constexpr double kMaxRefinementRad = 0.5;
+// Variance of many motions in a row, over that of as many independent ones.
+constexpr double kSerialCorrelation = 4;
 
 // Nothing but the score is known: the verifier starts from one and the same pose.
 LoopCandidate CandidateOf(const ScoredCandidate& pair) {
@@ -97,7 +99,8 @@ absl::Status LoopDetector::RefineMotion(const NodeId& node) {
     return absl::OkStatus();
   }
   if (!IsWeak(motion)) library_.SetMotionInto(node, motion.from_tform_to);
-  sink_.on_motion({node, motion.from_tform_to, motion.covariance});
+  // One scan errs as the one before it did: they are not independent.
+  sink_.on_motion({node, motion.from_tform_to, kSerialCorrelation * motion.covariance});
   return absl::OkStatus();
 }
 

@@ -4,9 +4,17 @@
 #include <exception>
 #include <utility>
 
+#include "absl/time/clock.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
+namespace {
+
+// A candidate after the other comes out of the front end: a revision for each would be mostly
+// overhead, and nobody can use ten a second.
+constexpr absl::Duration kMinInterval = absl::Milliseconds(100);
+
+}  // namespace
 
 MappingPipeline::MappingPipeline(const MultiRobotMapOptions& options, uint64_t map_epoch,
                                  Publish publish)
@@ -87,6 +95,8 @@ std::vector<MappingPipeline::Work> MappingPipeline::TakeWork() {
     return stopping_ || !work_.empty();
   };
   mutex_.Await(absl::Condition(&something_to_do));
+  mutex_.AwaitWithDeadline(absl::Condition(&stopping_), last_work_ + kMinInterval);
+  last_work_ = absl::Now();
   if (stopping_) return {};
   in_hand_ = static_cast<int64_t>(work_.size());
   return std::exchange(work_, {});

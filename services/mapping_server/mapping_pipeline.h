@@ -12,6 +12,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/mapping/map_snapshot.h"
@@ -54,7 +55,8 @@ class MappingPipeline {
 
   void Enqueue(Decision apply);
   void Run();
-  // Waits for work and takes all of it; empty: the end.
+  // Waits for work and takes all of it, not more often than every kMinInterval: what comes close
+  // together goes into one revision. Empty: the end.
   std::vector<Work> TakeWork();
   void Iterate(const std::vector<Work>& work);
 
@@ -64,6 +66,7 @@ class MappingPipeline {
   std::vector<Work> work_ ABSL_GUARDED_BY(mutex_);
   int64_t in_hand_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
+  absl::Time last_work_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
   std::thread thread_;  // last: starts when all else is there
 };
 
