@@ -161,6 +161,7 @@ class Rig {
   }
   // Detector first: what leaves it is in the pipeline by then.
   int64_t backlog() const { return detector_.backlog() + pipeline_.backlog(); }
+  // Polls, since neither says when it is done; yielding would take one of few cores.
   void WaitUntilIdle() const {
     while (backlog() > 0) absl::SleepFor(absl::Milliseconds(2));
   }
