@@ -28,7 +28,7 @@ class UncertainTrajectory {
   void ReplacePoses(const std::vector<Rigid3d>& world_from_body);
 
   // i_from_k, in any order.
-  const Rigid3d& Pose(int i) const { return poses_[i]; }
+  Rigid3d WorldFromBody(int i) const { return first_from_world_.Inverse() * poses_[i]; }
   Rigid3d Relative(int i, int k) const { return poses_[i].Inverse() * poses_[k]; }
   // Of Relative(i, k), right tangent; 0 for i = k.
   Matrix6d Covariance(int i, int k) const;

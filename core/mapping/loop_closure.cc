@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/mapping/loop_closure.h"
 
+#include "Eigen/Eigenvalues"
+#include "Eigen/LU"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 
@@ -9,6 +11,8 @@ namespace {
 
 // A relative pose with one direction open is still worth its five others; a plane leaves three.
 constexpr int kMaxOpenDirections = 2;
+// m^2: no registration that holds a direction is so unsure of it.
+constexpr double kOpenVariance = 100;
 constexpr double kOpenRotationVariance = 1e4;  // rad^2: any heading
 
 }  // namespace
@@ -55,6 +59,19 @@ absl::string_view ToString(ClosureVerdict verdict) {
       return "forced_by_operator";
   }
   return "unknown";
+}
+
+Matrix6d InformationOf(const LoopCandidate& candidate) {
+  Matrix6d information = candidate.covariance.inverse();
+  if (!IsWeak(candidate)) return information;
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> axes(candidate.covariance);
+  for (int i = 0; i < 6; ++i) {
+    if (axes.eigenvalues()[i] < kOpenVariance) continue;
+    const Vector6d open = axes.eigenvectors().col(i);
+    const Matrix6d closed = Matrix6d::Identity() - open * open.transpose();
+    information = closed * information * closed;
+  }
+  return 0.5 * (information + information.transpose());
 }
 
 ClosureVerdict JudgeFigures(const LoopCandidate& candidate) {

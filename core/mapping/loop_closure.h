@@ -61,6 +61,11 @@ inline bool IsWeak(const LoopCandidate& candidate) {
   return candidate.registration.has_value() && candidate.registration->open_directions > 0;
 }
 
+// Inverse covariance for the optimiser. Along a direction that the clouds leave open the measured
+// pose is but the guess, and a hundred guesses would pull together what odometry is unsure of: such
+// a direction gets no information at all.
+Matrix6d InformationOf(const LoopCandidate& candidate);
+
 // What the figures alone say: one of the kRejected ones, or kPending when they are in order.
 ClosureVerdict JudgeFigures(const LoopCandidate& candidate);
 

@@ -67,7 +67,7 @@ void MultiRobotMap::State::AppendKeyframes(const Submap& submap, int position) {
         MotionCovariance(mission, static_cast<int64_t>(mission.keyframes.size()) - 1);
     UncertainTrajectory& path = odometry[position];
     path.Append(path.Size() == 0 ? keyframe.mission_from_body
-                                 : path.Pose(path.Size() - 1) * motion.previous_from_this,
+                                 : path.WorldFromBody(path.Size() - 1) * motion.previous_from_this,
                 motion.covariance);
     motions[position].push_back(motion);
   }

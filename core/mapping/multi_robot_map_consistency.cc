@@ -59,6 +59,7 @@ void MultiRobotMap::State::JudgeAgainstOdometry() {
     ClosureRecord& record = closures[k];
     if (BetweenMissions(record) || consistency_row[k] >= 0 || !InPlay(k)) continue;
     if (record.verdict == ClosureVerdict::kForcedByOperator) continue;
+    if (RotationIsOpen(record.candidate.covariance)) continue;
     consistency_row[k] = 0;  // odometry does not change: once is enough
     const UncertainTrajectory& path = odometry[PositionOf(record.candidate.from)];
     if (LoopChiSquare(record.candidate, path) <= options.consistency_chi_square_limit) continue;

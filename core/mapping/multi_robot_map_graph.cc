@@ -44,7 +44,7 @@ void MultiRobotMap::State::AddClosures(MapProblem& problem) const {
                               : EdgeKind::kLoopClosure;
     problem.graph.edges.push_back({RowOf(problem, PositionOf(candidate.from), candidate.from.index),
                                    RowOf(problem, PositionOf(candidate.to), candidate.to.index),
-                                   candidate.from_tform_to, candidate.covariance.inverse(), kind});
+                                   candidate.from_tform_to, InformationOf(candidate), kind});
   }
 }
 

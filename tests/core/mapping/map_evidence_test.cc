@@ -238,7 +238,7 @@ TEST_F(EvidenceTest, PairsThatOnlyLookAlikeHoldTheirPlacesTogether) {
   ASSERT_TRUE(map.AddScoredCandidate({{Mission("a"), 20}, {Mission("a"), 0}, 0.2}).ok());
   const auto snapshot = map.Optimise();
   EXPECT_EQ(ToString(snapshot->closures[0].verdict), "accepted");
-  EXPECT_EQ(ToString(snapshot->closures[1].verdict), "rejected_inconsistent");
+  EXPECT_EQ(ToString(snapshot->closures[1].verdict), "demoted_by_optimiser");
   EXPECT_EQ(ToString(snapshot->closures[2].verdict), "rejected_score");
   EXPECT_LT(Rmse(snapshot->missions[0]), 1.5 * alone + 0.3);
 }
