@@ -24,6 +24,8 @@ constexpr double kMaxCarry_m = 3;
 // The ground truth of keyframe `index`, carried from a neighbour if need be.
 std::optional<Rigid3d> KnownPose(const RobotPlan& plan, int64_t index) {
   const auto count = static_cast<int64_t>(plan.ground_truth.size());
+  // Without rotations there is nothing to carry along.
+  if (plan.ground_truth_positions_only) return plan.ground_truth[index];
   const Rigid3d& here = plan.keyframes[index].mission_from_body;
   for (int64_t step = 0; step < count; ++step) {
     bool near = false;

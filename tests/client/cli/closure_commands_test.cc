@@ -131,7 +131,7 @@ TEST_F(ClosureCommandsTest, ClosuresAreATableWithVerdictAndWhy) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 1 + 3) << table;
   EXPECT_THAT(table,
               AllOf(ContainsRegex(absl::StrCat(kRight, ".* robot .* accepted .*fits the map")),
-                    ContainsRegex(absl::StrCat(kWrong, ".* demoted_by_optimiser .*contra")),
+                    ContainsRegex(absl::StrCat(kWrong, ".* rejected_inconsistent .*odometry")),
                     ContainsRegex("robot_score .* 0.30 .* rejected_score .*below 0.50")));
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Keyframes at x = 0, 1, 2 m, heading along x; the last one's truth is unknown.
+// Keyframes at x = 0, 1, 2 and 20 m, heading along x; the last one's truth is unknown.
 RobotPlan Plan(const std::string& name) {
   RobotPlan plan;
   plan.name = name;
@@ -21,6 +21,12 @@ RobotPlan Plan(const std::string& name) {
     plan.ground_truth.push_back(Rigid3d(Eigen::Quaterniond::Identity(), {1.0 * i, 0, 0}));
   }
   plan.ground_truth.push_back(std::nullopt);
+  for (const double x : {0, 1, 2, 20}) {
+    // Odometry starts at a heading of its own.
+    const Rigid3d mission_from_world(ExpSO3({0, 0, 1}), {3, 4, 0});
+    Keyframe& keyframe = plan.keyframes.emplace_back();
+    keyframe.mission_from_body = mission_from_world * Rigid3d(ExpSO3({0, 0, 0}), {x, 0, 0});
+  }
   return plan;
 }
 
@@ -42,9 +48,31 @@ TEST(ClosureJudgement, AMeasurementIsRightWithinTheToleranceOfTheTrueRelativePos
   EXPECT_NEAR(*near->error_rad, 0.05, 1e-12);
   EXPECT_NEAR(near->distance_m, 2, 1e-12);
   EXPECT_TRUE(near->right);
-  EXPECT_FALSE(near->same_place);  // 2 m apart, 1.5 m allowed
+  EXPECT_TRUE(near->same_place);  // 2 m apart and 1.5 m allowed, but it was measured
+  EXPECT_FALSE(judge({2, 0.6, 0}, 0)->same_place);
   EXPECT_FALSE(judge({2, 0.6, 0}, 0)->right);
   EXPECT_FALSE(judge({2, 0, 0}, 0.2)->right);
+}
+
+// As a corridor does along its axis.
+TEST(ClosureJudgement, WhatAMeasurementLeavesOpenIsNotHeldAgainstIt) {
+  LoopClosure closure = Closure("a", 0, "a", 2, {Eigen::Quaterniond::Identity(), {9, 0.1, 0}});
+  EXPECT_FALSE(JudgeClosure(closure, true, {Plan("a")}, {})->right);
+  closure.covariance(0, 0) = 1e4;
+  const auto truth = JudgeClosure(closure, true, {Plan("a")}, {});
+  EXPECT_TRUE(truth->right);
+  EXPECT_NEAR(*truth->error_m, 0.1, 1e-9);
+}
+
+TEST(ClosureJudgement, TruthIsCarriedByOdometryFromANeighbourThatHasIt) {
+  std::vector<RobotPlan> plans = {Plan("a")};
+  plans[0].keyframes[3].mission_from_body =
+      plans[0].keyframes[2].mission_from_body * Rigid3d(ExpSO3({0, 0, 0.5}), {1, 2, 0});
+  const LoopClosure closure = Closure("a", 0, "a", 3, {ExpSO3({0, 0, 0.5}), {3, 2, 0}});
+  const auto truth = JudgeClosure(closure, true, plans, {});
+  ASSERT_TRUE(truth.has_value());
+  EXPECT_NEAR(*truth->error_m, 0, 1e-9);
+  EXPECT_NEAR(*truth->error_rad, 0, 1e-9);
 }
 
 TEST(ClosureJudgement, RobotsAreJudgedInTheFrameTheyShareOrNotAtAll) {

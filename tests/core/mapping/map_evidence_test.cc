@@ -275,6 +275,34 @@ TEST_F(EvidenceTest, AClosureWithAnOpenDirectionIsUsedOnlyWhereTheMapExpectsIt) 
   EXPECT_NEAR((odometry_["a"][59].translation - end.translation).norm(), 0, 0.5);
 }
 
+// Odometry that turns too far at every step, and scans that say so: the path is theirs, also in
+// keyframes that come later; a slipped registration is left out.
+TEST_F(EvidenceTest, MotionsMeasuredASecondTimeStraightenTheOdometry) {
+  MultiRobotMap map = MakeMap();
+  const Matrix6d coarse = Covariance(0.1, 0.1), fine = Covariance(0.01, 0.002);
+  std::vector<Rigid3d> odometry = {truth_["a"][0]};
+  for (int i = 1; i < 60; ++i) {
+    odometry.push_back(odometry.back() * (truth_["a"][i - 1].Inverse() * truth_["a"][i]) *
+                       Planar(0, 0, 0.05));
+  }
+  Add(map, "a", MakeSubmap(0, 0, {odometry.begin(), odometry.begin() + 40}, coarse));
+  EXPECT_GT(PositionError(map.Optimise()->missions[0].map_from_body[39], truth_["a"][39]), 5);
+  const auto measure = [&](int i, const Rigid3d& slip) {
+    return map.AddMotion(
+        {{Mission("a"), i}, truth_["a"][i - 1].Inverse() * truth_["a"][i] * slip, fine});
+  };
+  for (int i = 1; i < 40; ++i) ASSERT_TRUE(measure(i, Rigid3d()).ok());
+  ASSERT_TRUE(measure(20, Planar(0, 0, 3)).ok());
+  EXPECT_TRUE(map.dirty());
+  const auto snapshot = map.Optimise();
+  EXPECT_LT(PositionError(snapshot->missions[0].map_from_body[39], truth_["a"][39]), 0.05);
+  EXPECT_EQ(map.AddMotion({{Mission("a"), 0}, Rigid3d(), fine}).code(),
+            absl::StatusCode::kNotFound);
+  EXPECT_EQ(measure(45, Rigid3d()).code(), absl::StatusCode::kNotFound);
+  MotionMeasurement bad = {{Mission("a"), 5}, Rigid3d(), -Matrix6d::Identity()};
+  EXPECT_EQ(map.AddMotion(bad).code(), absl::StatusCode::kInvalidArgument);
+}
+
 // A straight drive of 20 m of which the odometry measured half in the middle third; the closure at
 // its end puts the missing way where the robot said that it was blind.
 TEST(MultiRobotMap, DegenerateMotionTakesUpTheErrorAlongItsDirection) {

@@ -156,10 +156,9 @@ TEST_F(ClosureAdminTest, EveryCandidateIsListedWithItsFiguresAndWhy) {
   EXPECT_THAT(right.reason(), StartsWith("fits the map"));
 
   const v1::LoopClosureStatus wrong = Closure(kWrong);
-  EXPECT_EQ(wrong.verdict(), v1::LOOP_CLOSURE_VERDICT_DEMOTED_BY_OPTIMISER);
-  EXPECT_LT(wrong.weight(), 0.1);
-  EXPECT_GT(wrong.chi_square(), 100);
-  EXPECT_THAT(wrong.reason(), StartsWith("contradicts the rest of the map"));
+  EXPECT_EQ(wrong.verdict(), v1::LOOP_CLOSURE_VERDICT_REJECTED_INCONSISTENT);
+  EXPECT_EQ(wrong.weight(), 0);
+  EXPECT_THAT(wrong.reason(), StartsWith("further from its mission's odometry"));
 
   EXPECT_EQ(Closure(kPending).verdict(), v1::LOOP_CLOSURE_VERDICT_PENDING);
   const v1::LoopClosureStatus likely = Closure(kLikely);
@@ -235,7 +234,7 @@ TEST_F(ClosureAdminTest, APlaceIsExplainedByTheCandidateThatCameFurthest) {
   EXPECT_THAT(rejected.explanation(),
               AllOf(HasSubstr("There is no loop within 0.2 m of anna/run1:16: of 1 proposed"),
                     HasSubstr("rejected_score: similarity 0.30 is below 0.50")));
-  EXPECT_THAT(Explain({kAnna, 18}, 0.2).explanation(), HasSubstr("demoted_by_optimiser"));
+  EXPECT_THAT(Explain({kAnna, 18}, 0.2).explanation(), HasSubstr("rejected_inconsistent"));
   EXPECT_THAT(Explain({kAnna, 12}, 2).explanation(), HasSubstr("There are 2 loop closures in use"));
   EXPECT_EQ(Explain({kAnna, 19}, 4).candidates_size(), 4);
   EXPECT_EQ(Explain({kAnna, 19}, 0).candidates_size(), 5);  // 5 m
