@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The way of a loop candidate to its verdict. In the order of cost:
 //   its own figures       score, overlap, residual, open directions          JudgeFigures
-//   pairwise consistency  between two missions: the largest consistent set   MultiRobotMap
+//   odometry              within a mission: no further off than it can drift MultiRobotMap
+//   pairwise consistency  between two missions: the largest consistent set
 //   quarantine            a first tie between two components needs company
+//   the map as it stands  what leaves a direction open must be expected
 //   the optimiser         graduated non-convexity, then a chi-square test
 // and an operator's word above all of them. A verdict may change with every revision, but for
 // those on figures.

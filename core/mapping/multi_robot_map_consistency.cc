@@ -11,6 +11,15 @@
 namespace overtone {
 namespace {
 
+// consistency_row of a closure that has none.
+constexpr int kNoRow = -1;
+constexpr int kAgreesWithSet = -2;  // came when the set was full
+constexpr int kDisagreesWithSet = -3;
+// Closures of one pair of missions that are all compared with each other, O(n^2) in time and bits;
+// of later ones each is compared with a sample of the set that these have made.
+constexpr int kMaxRows = 3000;
+constexpr size_t kSampledMembers = 100;
+
 // How far from where the map has it a closure with an open direction may lie.
 constexpr double kMaxWeakErrorM = 5;
 constexpr double kMaxWeakErrorRad = 0.3;
@@ -42,6 +51,21 @@ InterMissionClosure From(const LoopCandidate& candidate, bool reversed) {
 }
 
 }  // namespace
+
+// Whether a closure agrees with most of an even sample of the set's members.
+bool MultiRobotMap::State::AgreesWithMost(const InterMissionClosure& closure,
+                                          const std::vector<InterMissionClosure>& rows,
+                                          const std::vector<int>& members,
+                                          const UncertainTrajectory& a,
+                                          const UncertainTrajectory& b) const {
+  const size_t stride = std::max<size_t>(1, members.size() / kSampledMembers);
+  int agree = 0, asked = 0;
+  for (size_t i = 0; i < members.size(); i += stride, ++asked) {
+    agree += ConsistencyChiSquare(closure, rows[members[i]], a, b) <=
+             options.consistency_chi_square_limit;
+  }
+  return 2 * agree > asked;
+}
 
 // Wants a say in the consistency of its two missions: all but those that figures or an operator
 // have decided, and those that leave the rotation open. A loop through one of these is uncertain by
@@ -82,14 +106,14 @@ void MultiRobotMap::State::JudgeConsistency() {
         std::minmax(PositionOf(closures[k].candidate.from), PositionOf(closures[k].candidate.to));
     if (TakesPartInConsistency(k)) {
       closures_of_missions[pair].push_back(k);
-    } else if (consistency_row[k] >= 0) {
-      consistency_row[k] = -1;
+    } else if (consistency_row[k] != kNoRow) {
+      consistency_row[k] = kNoRow;
       changed.insert(pair);
     }
   }
   for (const std::pair<int, int>& pair : changed) {
     consistency.erase(pair);
-    for (const int k : closures_of_missions[pair]) consistency_row[k] = -1;
+    for (const int k : closures_of_missions[pair]) consistency_row[k] = kNoRow;
   }
   bool lost = !changed.empty();
   std::vector<int> regained;
@@ -115,20 +139,36 @@ bool MultiRobotMap::State::JudgePair(const std::pair<int, int>& pair,
   const auto [entry, fresh] = consistency.try_emplace(pair, consistency_options);
   PairwiseConsistency& set = entry->second;
   const UncertainTrajectory &a = odometry[pair.first], &b = odometry[pair.second];
+  std::vector<InterMissionClosure> rows(set.Size());
+  std::vector<std::pair<int, InterMissionClosure>> late;
   for (const int k : closures_of_pair) {
-    if (consistency_row[k] >= 0) continue;
     const LoopCandidate& candidate = closures[k].candidate;
-    const bool reversed = PositionOf(candidate.from) != pair.first;
-    // What AddCandidate lets in, this takes; if not, the closure stays outside the set.
-    if (set.Add(From(candidate, reversed), a, b).ok()) consistency_row[k] = set.Size() - 1;
+    const InterMissionClosure closure =
+        From(candidate, /*reversed=*/PositionOf(candidate.from) != pair.first);
+    if (consistency_row[k] >= 0) {
+      rows[consistency_row[k]] = closure;
+    } else if (consistency_row[k] == kNoRow && set.Size() < kMaxRows) {
+      // What AddCandidate lets in, this takes; if not, the closure stays outside the set.
+      if (!set.Add(closure, a, b).ok()) continue;
+      consistency_row[k] = set.Size() - 1;
+      rows.push_back(closure);
+    } else if (consistency_row[k] == kNoRow) {
+      late.emplace_back(k, closure);
+    }
   }
   const std::vector<int>& members = set.ConsistentSet().members;
+  for (const auto& [k, closure] : late) {
+    consistency_row[k] =
+        AgreesWithMost(closure, rows, members, a, b) ? kAgreesWithSet : kDisagreesWithSet;
+  }
   bool lost = false;
   for (const int k : closures_of_pair) {
     ClosureRecord& record = closures[k];
     record.consistent_set = static_cast<int>(members.size());
-    const bool consistent = consistency_row[k] >= 0 &&
-                            std::binary_search(members.begin(), members.end(), consistency_row[k]);
+    const bool consistent =
+        consistency_row[k] == kAgreesWithSet ||
+        (consistency_row[k] >= 0 &&
+         std::binary_search(members.begin(), members.end(), consistency_row[k]));
     if (consistent && record.verdict == ClosureVerdict::kRejectedInconsistent) {
       regained.push_back(k);
     } else if (!consistent && record.verdict != ClosureVerdict::kRejectedInconsistent) {

@@ -84,7 +84,7 @@ struct MultiRobotMap::State {
   std::map<std::string, int> closure_of_id;
   std::map<std::pair<NodeId, NodeId>, std::vector<int>> closures_of_ends;
   std::map<std::pair<int, int>, PairwiseConsistency> consistency;  // of two missions
-  std::vector<int> consistency_row;  // of each closure in that of its missions; -1: none
+  std::vector<int> consistency_row;  // of each closure in that of its missions; < 0: none
 
   std::vector<SightingRecord> sightings;
   std::vector<AbsoluteRecord> absolutes;
@@ -128,6 +128,9 @@ struct MultiRobotMap::State {
   void ActivateSightings();
   void Locate(SightingRecord& sighting) const;
   bool TakesPartInConsistency(int closure) const;
+  bool AgreesWithMost(const InterMissionClosure& closure,
+                      const std::vector<InterMissionClosure>& rows, const std::vector<int>& members,
+                      const UncertainTrajectory& a, const UncertainTrajectory& b) const;
   void JudgeAgainstOdometry();
   void JudgeWeakClosures();
   void JudgeConsistency();

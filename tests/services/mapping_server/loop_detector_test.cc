@@ -83,15 +83,19 @@ class LoopDetectorTest : public ::testing::Test {
  protected:
   void Start(const LoopDetectorOptions& options = {}) {
     ASSERT_TRUE(options.Validate().ok());
-    detector_ = std::make_unique<LoopDetector>(options,
-                                               LoopDetector::Sink{[this](LoopCandidate candidate) {
-                                                                    absl::MutexLock lock(&mutex_);
-                                                                    found_.push_back(candidate);
-                                                                  },
-                                                                  [this](const ScoredCandidate& p) {
-                                                                    absl::MutexLock lock(&mutex_);
-                                                                    pairs_.push_back(p);
-                                                                  }});
+    detector_ = std::make_unique<LoopDetector>(
+        options, LoopDetector::Sink{[this](LoopCandidate candidate) {
+                                      absl::MutexLock lock(&mutex_);
+                                      found_.push_back(candidate);
+                                    },
+                                    [this](const ScoredCandidate& p) {
+                                      absl::MutexLock lock(&mutex_);
+                                      pairs_.push_back(p);
+                                    },
+                                    [this](const MotionMeasurement& m) {
+                                      absl::MutexLock lock(&mutex_);
+                                      motions_.push_back(m);
+                                    }});
   }
   // A detector that proposes nothing by itself.
   void StartWithoutProposals() {
@@ -137,8 +141,43 @@ class LoopDetectorTest : public ::testing::Test {
   absl::Mutex mutex_;
   std::vector<LoopCandidate> found_ ABSL_GUARDED_BY(mutex_);
   std::vector<ScoredCandidate> pairs_ ABSL_GUARDED_BY(mutex_);
+  std::vector<MotionMeasurement> motions_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<LoopDetector> detector_;  // last: its threads use the rest
 };
+
+// Wheels that slip 10 cm and 5 degrees at every step of 30 cm.
+TEST_F(LoopDetectorTest, PlanarScansMeasureAnewWhatWheelsMeasuredBadly) {
+  StartWithoutProposals();
+  const PatchWorld room = RoomWorld();
+  Random random(4);
+  Mission mission;
+  mission.id = kAnna;
+  Submap submap;
+  Rigid3d odometry;
+  const Rigid3d slip(ExpSO3({0, 0, 0.09}), {0.1, 0, 0});
+  for (int i = 0; i < 8; ++i) {
+    mission.world_from_body.push_back(StandingAt(-1 + 0.3 * i, 0.2, 0.05 * i));
+    const PointCloud cloud = Scan(room, mission.world_from_body.back(), PlanarScanner(), random);
+    mission.blobs.push_back(std::make_shared<const std::string>(*EncodePointCloud(cloud, {})));
+    if (i > 0) odometry = odometry * mission.FromTo(i - 1, mission, i) * slip;
+    Keyframe& keyframe = submap.keyframes.emplace_back();
+    keyframe.stamp = {i + 1};
+    keyframe.mission_from_body = odometry;
+    submap.clouds.push_back({i, nullptr, std::string(32, 'c'), 100});
+  }
+  detector_->AddSubmap(kAnna, submap);
+  for (int i = 0; i < 8; ++i) AddCloud(mission, i);
+  Found();
+  absl::MutexLock lock(&mutex_);
+  ASSERT_THAT(motions_, SizeIs(7));
+  for (int i = 1; i < 8; ++i) {
+    EXPECT_EQ(motions_[i - 1].to, (NodeId{kAnna, i}));  // in the order in which they came
+    const Rigid3d error =
+        mission.FromTo(i - 1, mission, i).Inverse() * motions_[i - 1].previous_from_this;
+    EXPECT_LT(error.translation.norm(), 0.03) << i;
+    EXPECT_LT(LogSO3(error.rotation).norm(), 0.02) << i;
+  }
+}
 
 TEST_F(LoopDetectorTest, TwoMissionsThroughOneHallAreTiedRightly) {
   Start();
