@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/mapping/loop_closure.h"
 
+#include <utility>
+
 #include "Eigen/Eigenvalues"
 #include "Eigen/LU"
 #include "absl/strings/str_cat.h"
@@ -152,6 +154,16 @@ LoopCandidate WeakCandidateOf(const ScoredCandidate& scored, double score_thresh
       Eigen::Vector3d::Constant(kOpenRotationVariance);
   candidate.measured = true;
   return candidate;
+}
+
+// T^-1 = (T_mean Exp(d))^-1 = T_mean^-1 Exp(-Ad(T_mean) d).
+LoopCandidate Reversed(const LoopCandidate& candidate) {
+  LoopCandidate reversed = candidate;
+  std::swap(reversed.from, reversed.to);
+  reversed.from_tform_to = candidate.from_tform_to.Inverse();
+  const Matrix6d adjoint = Adjoint(candidate.from_tform_to);
+  reversed.covariance = adjoint * candidate.covariance * adjoint.transpose();
+  return reversed;
 }
 
 bool RotationIsOpen(const Matrix6d& covariance) {

@@ -82,6 +82,9 @@ LoopCandidate CandidateOf(const LoopClosure& closure);
 LoopCandidate WeakCandidateOf(const ScoredCandidate& candidate, double score_threshold,
                               double position_sigma_m);
 
+// The same measurement told from its other end.
+LoopCandidate Reversed(const LoopCandidate& candidate);
+
 // True when `covariance` says next to nothing of the rotation (some standard deviation above 1
 // rad).
 bool RotationIsOpen(const Matrix6d& covariance);

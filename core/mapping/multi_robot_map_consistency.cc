@@ -37,17 +37,9 @@ double LoopChiSquare(const LoopCandidate& closure, const UncertainTrajectory& od
 }
 
 InterMissionClosure From(const LoopCandidate& candidate, bool reversed) {
-  InterMissionClosure closure;
-  closure.from = static_cast<int>(candidate.from.index);
-  closure.to = static_cast<int>(candidate.to.index);
-  closure.from_tform_to = candidate.from_tform_to;
-  closure.covariance = candidate.covariance;
-  if (!reversed) return closure;
-  std::swap(closure.from, closure.to);
-  closure.from_tform_to = candidate.from_tform_to.Inverse();
-  const Matrix6d adjoint = Adjoint(candidate.from_tform_to);
-  closure.covariance = adjoint * candidate.covariance * adjoint.transpose();
-  return closure;
+  const LoopCandidate told = reversed ? Reversed(candidate) : candidate;
+  return {static_cast<int>(told.from.index), static_cast<int>(told.to.index), told.from_tform_to,
+          told.covariance};
 }
 
 }  // namespace
@@ -93,8 +85,8 @@ void MultiRobotMap::State::JudgeAgainstOdometry() {
   }
 }
 
-// Odometry as uploaded is what closures are compared along: an optimised path would already have
-// been bent by those accepted before.
+// Odometry is what closures are compared along, as uploaded or made finer by scans: an optimised
+// path would already have been bent by those accepted before.
 void MultiRobotMap::State::JudgeConsistency() {
   if (options.robust != MultiRobotMapOptions::Robust::kGnc) return;
   JudgeAgainstOdometry();

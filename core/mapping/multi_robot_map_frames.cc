@@ -29,14 +29,8 @@ PointTie MakePointTie(int frame_a, const Eigen::Vector3d& point_in_a,
 }  // namespace
 
 FrameTie MultiRobotMap::State::TieOf(const LoopCandidate& candidate) const {
-  LoopCandidate from_older = candidate;
-  if (FrameOf(candidate.to) < FrameOf(candidate.from)) {
-    // Cov of the inverse: T^-1 = (T_mean Exp(d))^-1 = T_mean^-1 Exp(-Ad(T_mean) d).
-    const Matrix6d adjoint = Adjoint(candidate.from_tform_to);
-    std::swap(from_older.from, from_older.to);
-    from_older.from_tform_to = candidate.from_tform_to.Inverse();
-    from_older.covariance = adjoint * candidate.covariance * adjoint.transpose();
-  }
+  const LoopCandidate from_older =
+      FrameOf(candidate.to) < FrameOf(candidate.from) ? Reversed(candidate) : candidate;
   return {*PoseOf(from_older.from), *PoseOf(from_older.to), from_older.from_tform_to,
           from_older.covariance.inverse()};
 }

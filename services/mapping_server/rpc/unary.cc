@@ -46,7 +46,7 @@ absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& option
   message.set_max_missions_per_map(options.limits.max_missions_per_map);
   message.set_max_keyframes_per_mission(options.limits.max_keyframes_per_mission);
   message.set_max_blob_bytes(options.limits.max_blob_bytes);
-  for (const char* feature : {"compact", "delta", "kron_reduction", "clouds"}) {
+  for (const char* feature : {"compact", "delta", "kron_reduction", "clouds", "landmarks"}) {
     response.add_features(feature);
   }
   return response;

@@ -59,7 +59,8 @@ TEST_F(MappingServerTest, SaysWhatItIs) {
   grpc::ClientContext context;
   ASSERT_TRUE(mapping_->GetServerInfo(&context, {}, &response).ok());
   EXPECT_EQ(response.protocol(), "overtone.v1");
-  EXPECT_THAT(response.features(), ElementsAre("compact", "delta", "kron_reduction", "clouds"));
+  EXPECT_THAT(response.features(),
+              ElementsAre("compact", "delta", "kron_reduction", "clouds", "landmarks"));
   EXPECT_EQ(response.limits().max_message_bytes(), 4 << 20);
   EXPECT_EQ(response.limits().max_keyframes_per_submap(), 2000);
 }
