@@ -235,7 +235,7 @@ TEST_F(WatchGraphTest, EveryBadRequestIsRefusedByField) {
     EXPECT_EQ(got.error_code(), grpc::StatusCode::INVALID_ARGUMENT) << bad.message;
     EXPECT_THAT(got.error_message(), StartsWith(bad.message));
   }
-  EXPECT_EQ(GetGraph("mine").missions(0).nodes_size(), 5);
+  EXPECT_EQ(WaitForNodes("mine", 5).NumNodes(), 5);  // and the map lives on
 }
 
 }  // namespace
