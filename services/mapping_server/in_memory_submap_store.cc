@@ -85,6 +85,37 @@ absl::StatusOr<int> InMemorySubmapStore::AddLoopClosures(
   return added;
 }
 
+void InMemorySubmapStore::AppendFinding(FindingRecord record,
+                                        std::function<void(absl::Status)> done) {
+  {
+    absl::MutexLock lock(&mutex_);
+    sink_.on_finding(record.bytes);
+  }
+  done(absl::OkStatus());
+}
+
+void InMemorySubmapStore::PutSnapshot(std::string bytes, std::function<void(absl::Status)> done) {
+  {
+    absl::MutexLock lock(&mutex_);
+    snapshot_ = std::move(bytes);
+  }
+  done(absl::OkStatus());
+}
+
+absl::StatusOr<std::string> InMemorySubmapStore::GetSnapshot() const {
+  absl::MutexLock lock(&mutex_);
+  if (snapshot_.empty()) return absl::NotFoundError("snapshot: none");
+  return snapshot_;
+}
+
+absl::Status InMemorySubmapStore::DeleteMission(const MissionId&) {
+  return absl::UnimplementedError("a store in memory deletes nothing");
+}
+
+absl::Status InMemorySubmapStore::Backup(const std::string&) const {
+  return absl::UnimplementedError("a store in memory has nothing to copy");
+}
+
 void InMemorySubmapStore::AddClouds(const SubmapRecord& record) {
   for (const KeyframeCloud& cloud : record.submap->clouds) {
     if (GetBlob(cloud.sha256).ok()) {

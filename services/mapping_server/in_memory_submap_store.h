@@ -22,9 +22,16 @@ class InMemorySubmapStore : public SubmapStore {
  public:
   InMemorySubmapStore(const ServerLimits& limits, Sink sink);
 
+  absl::Status Replay() override { return absl::OkStatus(); }
   void Append(SubmapRecord record, std::function<void(absl::StatusOr<AppendResult>)> done) override;
   void AppendLoopClosures(std::vector<LoopClosureRecord> records,
                           std::function<void(absl::StatusOr<int>)> done) override;
+  void AppendFinding(FindingRecord record, std::function<void(absl::Status)> done) override;
+  void PutSnapshot(std::string bytes, std::function<void(absl::Status)> done) override;
+  absl::StatusOr<std::string> GetSnapshot() const override;
+  absl::Status DeleteMission(const MissionId& mission) override;
+  StoreReport Verify() const override { return StoreReport(); }
+  absl::Status Backup(const std::string& path) const override;
   void PutBlob(const std::string& sha256, SharedBlob blob,
                std::function<void(absl::Status)> done) override;
   absl::StatusOr<SharedBlob> GetBlob(const std::string& sha256) const override;
@@ -62,6 +69,7 @@ class InMemorySubmapStore : public SubmapStore {
   CloudLedger clouds_ ABSL_GUARDED_BY(mutex_);
   int64_t clouds_stored_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t blob_bytes_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::string snapshot_ ABSL_GUARDED_BY(mutex_);
   // Taken after mutex_, and alone by GetBlob, which the sink may call.
   mutable absl::Mutex blob_mutex_ ABSL_ACQUIRED_AFTER(mutex_);
   absl::flat_hash_map<std::string, SharedBlob> blobs_ ABSL_GUARDED_BY(blob_mutex_);

@@ -3,11 +3,10 @@
 
 #include "google/protobuf/io/coded_stream.h"
 #include "google/protobuf/io/zero_copy_stream_impl_lite.h"
-#include "overtone/proto/conversion/sha256.h"
 
 namespace overtone {
 
-std::string Sha256(const google::protobuf::MessageLite& message) {
+std::string DeterministicBytes(const google::protobuf::MessageLite& message) {
   std::string bytes;
   {
     google::protobuf::io::StringOutputStream stream(&bytes);
@@ -15,7 +14,7 @@ std::string Sha256(const google::protobuf::MessageLite& message) {
     coded.SetSerializationDeterministic(true);
     message.SerializeToCodedStream(&coded);
   }
-  return Sha256(bytes);
+  return bytes;
 }
 
 }  // namespace overtone

@@ -8,9 +8,9 @@
 
 namespace overtone {
 
-// SHA-256, 32 bytes, of the message's deterministic serialisation: equal content, equal digest,
-// within one build of protobuf. Tells a submap sent again from another one under the same sequence.
-std::string Sha256(const google::protobuf::MessageLite& message);
+// The message's deterministic serialisation: equal content, equal bytes, within one build of
+// protobuf. Its SHA-256 tells a submap sent again from another one under the same sequence.
+std::string DeterministicBytes(const google::protobuf::MessageLite& message);
 
 }  // namespace overtone
 

@@ -28,15 +28,26 @@ struct UploadState {
   int64_t missing_blobs = 0;                    // clouds whose blobs are wanted
 };
 
+// What the robot sent, checked, and the bytes that are stored: the message serialised
+// deterministically (submap_digest.h).
 struct SubmapRecord {
   MissionId mission;
   std::shared_ptr<const Submap> submap;
-  std::string digest;  // of what the robot sent
+  std::string bytes;   // overtone.v1.Submap
+  std::string digest;  // SHA-256 of `bytes`
 };
 
 struct LoopClosureRecord {
   LoopClosure closure;
+  std::string bytes;  // overtone.v1.LoopClosure
   std::string digest;
+};
+
+// What the server found out itself, or an operator decided: the map's own affair (map_log.h), bytes
+// to the store.
+struct FindingRecord {
+  std::string bytes;
+  std::vector<MissionId> missions;  // that it is about: it goes when one of these is deleted
 };
 
 struct AppendResult {
@@ -58,14 +69,30 @@ struct CloudCounts {
   int64_t missing = 0;  // the blob is wanted
 };
 
-// Thread-safe. All missions of one map.
+// What a store holds and what it lost to damage (a bit that flipped, a page that cannot be read).
+struct StoreReport {
+  int64_t missions = 0;
+  int64_t submaps = 0;
+  int64_t loop_closures = 0;
+  int64_t findings = 0;
+  int64_t blobs = 0;
+  int64_t bytes_on_disk = 0;
+  std::vector<std::string> losses;  // a sentence each, what and which; empty: all is whole
+};
+
+// Thread-safe. All missions of one map: a log of submaps, loop closures and findings in the order
+// in which they were stored, the blobs of their clouds, and a snapshot of the map made from them.
+//
+// A damaged entry is left out, set aside in the store and reported. A mission that lost a submap
+// keeps those before it, and takes no more (DataLoss): its keyframes would hang in the air.
 class SubmapStore {
  public:
-  // Called once for everything newly stored, in the order in which it was stored, before it is
-  // acknowledged.
+  // Called once for everything newly stored, in the order in which it was stored, after it is
+  // durable and before it is acknowledged; and by Replay. No call overlaps another.
   struct Sink {
     std::function<void(const MissionId&, std::shared_ptr<const Submap>)> on_submap;
     std::function<void(const LoopClosure&)> on_loop_closure;
+    std::function<void(const std::string& bytes)> on_finding;
     // A keyframe's cloud, when submap and blob are both there. Of the store it may call GetBlob,
     // and nothing else.
     std::function<void(const MissionId&, int64_t index, const std::string& sha256)> on_cloud;
@@ -75,13 +102,18 @@ class SubmapStore {
 
   virtual ~SubmapStore() = default;
 
+  // Hands all that is stored to the sink: the log in its order, then the clouds by mission and
+  // keyframe. To be called once, before all else. An error says that nothing can be read at all.
+  virtual absl::Status Replay() = 0;
+
   // Stores the next submap of a mission. `done` is called exactly once, from any thread, possibly
   // before this returns and possibly after many further calls: appends may be made durable
   // together. Done with
   //   AlreadyExists       the sequence is there with another digest
   //   OutOfRange          the sequence leaves a gap
   //   InvalidArgument     first_index or the first stamp does not continue the mission
-  //   ResourceExhausted   a limit of the map
+  //   ResourceExhausted   a limit of the map, or the disk is full or fails: may work later
+  //   DataLoss            the mission lost an earlier submap to damage
   // and then nothing is stored.
   virtual void Append(SubmapRecord record,
                       std::function<void(absl::StatusOr<AppendResult>)> done) = 0;
@@ -90,6 +122,9 @@ class SubmapStore {
   // map.
   virtual void AppendLoopClosures(std::vector<LoopClosureRecord> records,
                                   std::function<void(absl::StatusOr<int>)> done) = 0;
+
+  // `done` as in Append.
+  virtual void AppendFinding(FindingRecord record, std::function<void(absl::Status)> done) = 0;
 
   // Stores a blob that a stored submap refers to; all missions share it. The caller has checked the
   // digest. A blob that is there already is Ok. `done` as in Append; NotFound: no cloud waits for
@@ -108,6 +143,21 @@ class SubmapStore {
   virtual std::vector<MissingBlob> MissingBlobs(const MissionId& mission, size_t max) const = 0;
 
   virtual CloudCounts Clouds() const = 0;
+
+  // The map as it was last solved, in place of the one before; bytes to the store (map_log.h).
+  virtual void PutSnapshot(std::string bytes, std::function<void(absl::Status)> done) = 0;
+  // NotFound: none, or it is damaged.
+  virtual absl::StatusOr<std::string> GetSnapshot() const = 0;
+
+  // Deletes the mission's submaps, the findings about it, loop closures with an end in it, the
+  // blobs that no other mission refers to, and the snapshot, and gives their space back to the file
+  // system. The sink is told nothing: the map has to be made anew. NotFound: no such mission.
+  virtual absl::Status DeleteMission(const MissionId& mission) = 0;
+
+  // Reads all that is stored and checks it against its digests, while the store goes on.
+  virtual StoreReport Verify() const = 0;
+  // A consistent copy as a new file, while the store goes on. AlreadyExists: the file is there.
+  virtual absl::Status Backup(const std::string& path) const = 0;
 
   // A mission that is not there expects sequence 0.
   virtual UploadState State(const MissionId& mission) const = 0;

@@ -9,6 +9,7 @@
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/submap_conversion.h"
 #include "overtone/services/mapping_server/submap_digest.h"
 
@@ -26,7 +27,9 @@ absl::StatusOr<std::vector<LoopClosureRecord>> CheckClosures(
   for (int i = 0; i < count; ++i) {
     const v1::LoopClosure& message = request.loop_closures(i);
     ASSIGN_OR_RETURN(LoopClosure closure, AtField("loop_closures", i, FromProto(message)));
-    records.push_back({std::move(closure), Sha256(message)});
+    std::string bytes = DeterministicBytes(message);
+    std::string digest = Sha256(bytes);
+    records.push_back({std::move(closure), std::move(bytes), std::move(digest)});
   }
   return records;
 }

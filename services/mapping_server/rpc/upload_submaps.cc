@@ -9,6 +9,7 @@
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/proto/conversion/submap_conversion.h"
 #include "overtone/services/mapping_server/rpc/upload_frames.h"
@@ -101,7 +102,10 @@ absl::StatusOr<SubmapRecord> UploadSubmaps::Check(const v1::Submap& message) con
                         absl::StrCat(message.ByteSizeLong(), " bytes, at most 1 MiB are taken"));
   }
   ASSIGN_OR_RETURN(Submap submap, AtField("submap", FromProto(message, mission_)));
-  return SubmapRecord{mission_, std::make_shared<const Submap>(std::move(submap)), Sha256(message)};
+  std::string bytes = DeterministicBytes(message);
+  std::string digest = Sha256(bytes);
+  return SubmapRecord{mission_, std::make_shared<const Submap>(std::move(submap)), std::move(bytes),
+                      std::move(digest)};
 }
 
 absl::Status UploadSubmaps::Append(const v1::Submap& message, int64_t bytes) {

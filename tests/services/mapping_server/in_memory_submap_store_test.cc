@@ -39,7 +39,7 @@ class InMemorySubmapStoreTest : public ::testing::Test {
   void Append(const MissionId& mission, int64_t sequence, const std::vector<std::string>& blobs) {
     auto submap =
         std::make_shared<const Submap>(MakeSubmapWithClouds(sequence, 5 * sequence, 5, blobs));
-    store_->Append({mission, submap, "digest"},
+    store_->Append({mission, submap, "bytes", "digest"},
                    [](const absl::StatusOr<AppendResult>& result) { EXPECT_TRUE(result.ok()); });
   }
 
