@@ -72,6 +72,12 @@ void RevisionHistory::Add(std::shared_ptr<const MapSnapshot> snapshot) {
   if (records_.size() > capacity_) records_.pop_front();
 }
 
+void RevisionHistory::Restore(const std::vector<RevisionRecord>& records,
+                              std::shared_ptr<const MapSnapshot> newest) {
+  records_.assign(records.begin(), records.end());
+  newest_ = std::move(newest);
+}
+
 // Backwards from the newest: what a revision took into use was not in use before it.
 absl::StatusOr<std::set<std::string>> RevisionHistory::InUseAt(uint64_t revision) const {
   std::set<std::string> ids;

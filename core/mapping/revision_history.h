@@ -47,6 +47,10 @@ class RevisionHistory {
   // Revisions increase.
   void Add(std::shared_ptr<const MapSnapshot> snapshot);
 
+  // In place of what is there; `newest` is what the last record led to.
+  void Restore(const std::vector<RevisionRecord>& records,
+               std::shared_ptr<const MapSnapshot> newest);
+
   // Ids of the closures that were in use at a revision. NotFound: not kept, or of another epoch.
   absl::StatusOr<std::set<std::string>> InUseAt(uint64_t revision) const;
 
