@@ -241,6 +241,8 @@ absl::Status MultiRobotMap::AddScoredCandidate(const ScoredCandidate& candidate)
 
 bool MultiRobotMap::dirty() const { return state_->dirty; }
 
+uint64_t MultiRobotMap::revision() const { return state_->revision; }
+
 const RevisionHistory& MultiRobotMap::history() const { return state_->history; }
 
 std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {

@@ -110,6 +110,9 @@ class MultiRobotMap {
   // True when something was added or decided since the last Optimise.
   bool dirty() const;
 
+  // Of the last snapshot; 0: none yet.
+  uint64_t revision() const;
+
   const RevisionHistory& history() const;
 
   // Optimises what is there and freezes it under the next revision number (the first is 1). One

@@ -27,13 +27,15 @@ MapDecisions MultiRobotMap::Decisions() const {
 
 void MultiRobotMap::SetDecisions(const MapDecisions& decisions) {
   State& state = *state_;
-  std::fill(state.decisions.begin(), state.decisions.end(), ClosureDecision::kNone);
+  std::vector<ClosureDecision> stand(state.closures.size(), ClosureDecision::kNone);
   for (const MapDecisions::Decision& decision : decisions.decisions) {
     const auto found = state.closure_of_id.find(decision.id);
-    if (found != state.closure_of_id.end()) state.decisions[found->second] = decision.decision;
+    if (found != state.closure_of_id.end()) stand[found->second] = decision.decision;
   }
+  const bool new_epoch = state.map_epoch != decisions.map_epoch && !state.missions.empty();
+  state.dirty |= new_epoch || stand != state.decisions;
+  state.decisions = std::move(stand);
   state.map_epoch = decisions.map_epoch;
-  state.dirty = true;
 }
 
 MapCheckpoint MultiRobotMap::Checkpoint() const {

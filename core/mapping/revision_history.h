@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "overtone/core/mapping/map_snapshot.h"
 
 namespace overtone {
@@ -34,6 +35,7 @@ struct RevisionRecord {
   double mean_move_m = 0;
   double largest_move_m = 0;
   double optimisation_s = 0;
+  absl::Time made = absl::InfinitePast();  // this computer's clock
 };
 
 // `before` may be null: the first.
