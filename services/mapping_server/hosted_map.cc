@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/time/clock.h"
-#include "overtone/services/mapping_server/in_memory_submap_store.h"
+#include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
 
 namespace overtone {
 namespace {
@@ -41,6 +41,7 @@ HostedMap::HostedMap(std::string id, const ServerOptions& options)
     detector_.AddSubmap(mission, *submap);
   };
   sink.on_loop_closure = [this](const LoopClosure& closure) { pipeline_.AddLoopClosure(closure); };
+  sink.on_finding = [](const std::string&) {};
   sink.on_cloud = [this](const MissionId& mission, int64_t index, const std::string& sha256) {
     absl::StatusOr<SharedBlob> blob = store_->GetBlob(sha256);
     if (blob.ok()) detector_.AddCloud({mission, index}, *std::move(blob));
@@ -48,7 +49,7 @@ HostedMap::HostedMap(std::string id, const ServerOptions& options)
   sink.on_cloud_gone = [this](const MissionId& mission, int64_t index) {
     detector_.CloudGone({mission, index});
   };
-  store_ = std::make_unique<InMemorySubmapStore>(options.limits, std::move(sink));
+  store_ = *SqliteSubmapStore::Open(":memory:", options.limits, std::move(sink));
 }
 
 HostedMap::Published HostedMap::published() const {
