@@ -144,7 +144,7 @@ absl::StatusOr<std::unique_ptr<SqliteDatabase>> SqliteDatabase::Open(const std::
   if (result != SQLITE_OK) {
     return SqliteError(result, absl::StrCat(path, ": ", sqlite3_errstr(result)));
   }
-  sqlite3_busy_timeout(handle, kBusyTimeoutMs);
+  database->SetBusyTimeout(kBusyTimeoutMs);
   return database;
 }
 
@@ -169,6 +169,35 @@ absl::StatusOr<int64_t> SqliteDatabase::QueryInt(absl::string_view sql) {
   ASSIGN_OR_RETURN(const bool row, statement.Step());
   if (!row) return absl::NotFoundError("database: no row");
   return statement.Int(0);
+}
+
+void SqliteDatabase::SetBusyTimeout(int timeout_ms) {
+  busy_timeout_ms_ = timeout_ms;
+  sqlite3_busy_timeout(database_, timeout_ms);
+}
+
+absl::Status SqliteDatabase::Checkpoint(Checkpointing how) {
+  const bool truncate = how == Checkpointing::kTruncate;
+  int in_log = 0;
+  int moved = 0;
+  sqlite3_busy_timeout(database_, 0);
+  const int result = sqlite3_wal_checkpoint_v2(
+      database_, "main", truncate ? SQLITE_CHECKPOINT_TRUNCATE : SQLITE_CHECKPOINT_PASSIVE, &in_log,
+      &moved);
+  sqlite3_busy_timeout(database_, busy_timeout_ms_);
+  if (result != SQLITE_OK) return SqliteError(result, sqlite3_errmsg(database_));
+  if (in_log == moved) wal_pages_ = 0;
+  return absl::OkStatus();
+}
+
+void SqliteDatabase::CountWalPages() {
+  sqlite3_wal_hook(
+      database_,
+      [](void* database, sqlite3*, const char*, int pages) {
+        static_cast<SqliteDatabase*>(database)->wal_pages_ = pages;
+        return SQLITE_OK;
+      },
+      this);
 }
 
 bool SqliteDatabase::InAutocommit() const { return sqlite3_get_autocommit(database_) != 0; }

@@ -82,12 +82,26 @@ class SqliteDatabase {
 
   // False: inside a transaction.
   bool InAutocommit() const;
+  // How long to wait for somebody else's lock; 5000 after Open.
+  void SetBusyTimeout(int timeout_ms);
+
+  // From the write-ahead log into the database, as far as readers allow. kTruncate: and makes the
+  // log empty; Unavailable when a reader is in the way. Never waits.
+  enum class Checkpointing { kPassive, kTruncate };
+  absl::Status Checkpoint(Checkpointing how);
+  // Pages in the write-ahead log after the last commit through this connection; 0 after a
+  // checkpoint that got all of them. Replaces SQLite's automatic checkpoints.
+  void CountWalPages();
+  int wal_pages() const { return wal_pages_; }
+
   sqlite3* handle() { return database_; }
 
  private:
   explicit SqliteDatabase(sqlite3* database) : database_(database) {}
 
   sqlite3* database_;
+  int wal_pages_ = 0;
+  int busy_timeout_ms_ = 0;
 };
 
 // BEGIN IMMEDIATE … COMMIT; rolls back when it goes out of scope before Commit succeeded.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/cloud_ledger.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "absl/container/flat_hash_set.h"
@@ -30,6 +31,28 @@ std::vector<NodeId> CloudLedger::Abandon(const MissionId& mission, const std::st
     if (keyframe.mission == mission && StopAsking(keyframe)) abandoned.push_back(keyframe);
   }
   return abandoned;
+}
+
+void CloudLedger::Forget(const MissionId& mission) {
+  for (auto it = awaiting_.begin(); it != awaiting_.end();) {
+    std::vector<NodeId>& keyframes = it->second;
+    keyframes.erase(std::remove_if(keyframes.begin(), keyframes.end(),
+                                   [&](const NodeId& node) { return node.mission == mission; }),
+                    keyframes.end());
+    if (keyframes.empty()) {
+      awaiting_.erase(it++);
+    } else {
+      ++it;
+    }
+  }
+  num_missing_ -= NumMissing(mission);
+  asked_.erase(mission);
+}
+
+absl::optional<MissionId> CloudLedger::FirstWaiting(const std::string& sha256) const {
+  const auto it = awaiting_.find(sha256);
+  if (it == awaiting_.end() || it->second.empty()) return absl::nullopt;
+  return it->second.front().mission;
 }
 
 bool CloudLedger::StopAsking(const NodeId& keyframe) {

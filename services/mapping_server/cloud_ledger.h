@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/container/flat_hash_map.h"
+#include "absl/types/optional.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/services/mapping_server/submap_store.h"
@@ -29,6 +30,12 @@ class CloudLedger {
 
   // The mission is asked no more; its clouds go on waiting. Those that it was asked for until now.
   std::vector<NodeId> Abandon(const MissionId& mission, const std::string& sha256);
+
+  // The mission is deleted: nothing of it waits any more.
+  void Forget(const MissionId& mission);
+
+  // A mission whose cloud waits for this blob.
+  absl::optional<MissionId> FirstWaiting(const std::string& sha256) const;
 
   // The first `max` that the mission is asked for, each once, by keyframe.
   std::vector<MissingBlob> Missing(const MissionId& mission, size_t max) const;

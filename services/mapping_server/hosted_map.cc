@@ -9,7 +9,7 @@
 #include "absl/time/clock.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/services/mapping_server/checkpoint_codec.h"
-#include "overtone/services/mapping_server/in_memory_submap_store.h"
+#include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -39,7 +39,7 @@ absl::StatusOr<std::unique_ptr<HostedMap>> HostedMap::Open(std::string id, std::
 }
 
 absl::Status HostedMap::Start(Epoch epoch) {
-  store_ = std::make_unique<InMemorySubmapStore>(options_.limits, StoreSink());
+  ASSIGN_OR_RETURN(store_, SqliteSubmapStore::Open(path_, options_.limits, StoreSink()));
   MappingPipeline::Sink sink;
   sink.publish = [this](std::shared_ptr<const MapSnapshot> snapshot,
                         const RevisionHistory& history) {

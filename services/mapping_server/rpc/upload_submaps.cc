@@ -193,11 +193,13 @@ void UploadSubmaps::AnswerBlob(const std::string& sha256, const absl::Status& st
 
 void UploadSubmaps::AskForBlobs(const HostedMap& map) {
   if (no_room_ || asked_.size() > limits::kMaxWantsPerFrame / 2) return;
-  // Those asked for are among the first of those missing.
+  // Those asked for are among the first of those missing, but for some that are stored and not
+  // answered yet.
   const std::vector<MissingBlob> missing =
       map.store().MissingBlobs(mission_, limits::kMaxWantsPerFrame);
   std::vector<MissingBlob> wanted;
   for (const MissingBlob& blob : missing) {
+    if (asked_.size() >= limits::kMaxWantsPerFrame) break;
     if (asked_.emplace(blob.sha256, blob.encoded_bytes).second) wanted.push_back(blob);
   }
   if (missing.empty() || !wanted.empty()) Answer(WantFrame(wanted));
