@@ -41,6 +41,7 @@ class TerminationSignals {
 struct Flags {
   std::string config;
   std::string listen;
+  std::string data_dir;
   std::string log_level;
 };
 
@@ -48,6 +49,8 @@ void Declare(CLI::App& app, Flags& flags) {
   app.set_version_flag("--version", OVERTONE_VERSION);
   app.add_option("--config", flags.config, "YAML file; configs/default.yaml lists the keys");
   app.add_option("--listen", flags.listen, "host:port; port 0 takes a free one");
+  app.add_option("--data-dir", flags.data_dir,
+                 "where maps are kept over restarts; :memory: keeps them as long as the process");
   app.add_option("--log-level", flags.log_level,
                  "trace, debug, info, warning, error, critical or off");
 }
@@ -56,6 +59,7 @@ absl::StatusOr<ServerOptions> ReadOptions(const Flags& flags) {
   ServerOptions options;
   if (!flags.config.empty()) RETURN_IF_ERROR(ReadOptionsFile(flags.config, options));
   if (!flags.listen.empty()) options.listen = flags.listen;
+  if (!flags.data_dir.empty()) options.data_dir = flags.data_dir;
   if (!flags.log_level.empty()) options.log_level = flags.log_level;
   RETURN_IF_ERROR(options.Validate());
   return options;
