@@ -11,6 +11,7 @@
 #include "grpcpp/channel.h"
 #include "overtone/client/internal/backoff.h"
 #include "overtone/client/internal/channel.h"
+#include "overtone/client/internal/channel_credentials.h"
 #include "overtone/client/internal/cloud_encoding.h"
 #include "overtone/client/internal/exception_guard.h"
 #include "overtone/client/internal/graph_subscriber.h"
@@ -226,6 +227,7 @@ absl::StatusOr<std::unique_ptr<MappingClient>> MappingClient::Create(MappingClie
   return GuardExceptions("MappingClient::Create",
                          [&]() -> absl::StatusOr<std::unique_ptr<MappingClient>> {
                            RETURN_IF_ERROR(options.Validate());
+                           RETURN_IF_ERROR(AtField("tls", CheckFiles(options.tls)));
                            return std::make_unique<GrpcMappingClient>(std::move(options), host);
                          });
 }
