@@ -100,6 +100,7 @@ class Folder {
 
   CertificateRequest ServerRequest() const {
     CertificateRequest request = Request("server", "mapping-server");
+    request.use = CertificateUse::kServer;
     for (const std::string& name : options_.server_names) {
       (IsIp(name) ? request.ips : request.dns).push_back(name);
     }

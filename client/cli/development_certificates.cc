@@ -145,7 +145,9 @@ absl::StatusOr<CertificateAndKey> IssueCertificate(const CertificateAndKey& auth
   X509* const leaf = certificate.get();
   RETURN_IF_ERROR(AddExtension(leaf, ca.get(), NID_basic_constraints, "critical,CA:FALSE"));
   RETURN_IF_ERROR(AddExtension(leaf, ca.get(), NID_key_usage, "critical,digitalSignature"));
-  RETURN_IF_ERROR(AddExtension(leaf, ca.get(), NID_ext_key_usage, "serverAuth,clientAuth"));
+  RETURN_IF_ERROR(
+      AddExtension(leaf, ca.get(), NID_ext_key_usage,
+                   request.use == CertificateUse::kServer ? "serverAuth" : "clientAuth"));
   if (!names.empty()) {
     RETURN_IF_ERROR(AddExtension(leaf, ca.get(), NID_subject_alt_name, names));
   }

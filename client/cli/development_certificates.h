@@ -16,7 +16,11 @@ struct CertificateAndKey {
   std::string key_pem;
 };
 
+// Which end of a connection a certificate may stand at.
+enum class CertificateUse { kClient, kServer };
+
 struct CertificateRequest {
+  CertificateUse use = CertificateUse::kClient;
   std::string common_name;  // for people
   std::vector<std::string> uris;
   std::vector<std::string> dns;
@@ -25,11 +29,11 @@ struct CertificateRequest {
   absl::Time not_after;
 };
 
-// Signs itself, and may sign others; no names but `common_name` are used. Internal: OpenSSL would
+// Signs itself, and may sign others; no other names and no `use` count. Internal: OpenSSL would
 // not, with its reason.
 absl::StatusOr<CertificateAndKey> MakeCertificateAuthority(const CertificateRequest& request);
 
-// For either end of a connection. InvalidArgument: a name that is none, or a CA that is not PEM.
+// For one end of a connection. InvalidArgument: a name that is none, or a CA that is not PEM.
 absl::StatusOr<CertificateAndKey> IssueCertificate(const CertificateAndKey& authority,
                                                    const CertificateRequest& request);
 
