@@ -31,6 +31,10 @@ class Backoff {
   std::mt19937_64 random_;
 };
 
+// The server knows us and will not have us, or does not know us: trying again soon is no use, but an
+// operator may change that at any time.
+bool IsAccessRefused(absl::StatusCode code);
+
 // The codes that may get better by trying again (mapping_service.proto).
 bool IsRetryable(absl::StatusCode code);
 

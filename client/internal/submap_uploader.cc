@@ -47,8 +47,13 @@ void SubmapUploader::Run() {
     const absl::Duration delay = backoff_.Next();
     absl::MutexLock lock(&mutex_);
     if (stopping_) return;
-    logger_.Warning("upload interrupted: ", status.ToString(), "; again in ",
+    if (IsAccessRefused(status.code())) {
+      logger_.Error("upload refused: ", status.ToString(), "; again in ",
                     absl::FormatDuration(delay));
+    } else {
+      logger_.Warning("upload interrupted: ", status.ToString(), "; again in ",
+                      absl::FormatDuration(delay));
+    }
     if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), delay)) return;
   }
 }

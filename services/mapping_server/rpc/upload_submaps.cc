@@ -24,18 +24,19 @@ constexpr size_t kMaxAnswers = 64;
 
 }  // namespace
 
-UploadReactor* UploadSubmaps::Start(MapRegistry* registry, UploadSessions* sessions,
-                                    const ServerLimits& limits) {
-  auto reactor = std::make_shared<UploadSubmaps>(registry, sessions, limits);
+UploadReactor* UploadSubmaps::Start(StreamAccess access, MapRegistry* registry,
+                                    UploadSessions* sessions, const ServerLimits& limits) {
+  auto reactor = std::make_shared<UploadSubmaps>(std::move(access), registry, sessions, limits);
   reactor->self_ = reactor;
   absl::MutexLock lock(&reactor->mutex_);
   reactor->Advance();
   return reactor.get();
 }
 
-UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions,
+UploadSubmaps::UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
                              const ServerLimits& limits)
-    : registry_(registry),
+    : access_(std::move(access)),
+      registry_(registry),
       sessions_(sessions),
       window_bytes_(limits.upload_window_bytes),
       assembly_(limits.max_blob_bytes) {}
@@ -75,6 +76,8 @@ absl::Status UploadSubmaps::OnFrame() {
 
 absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   if (!map_id_.empty()) return InvalidField("header", "only the first message may be one");
+  RETURN_IF_ERROR(access_.MayWrite(header.map(), header.mission().robot(), "header.",
+                                   weak_from_this()));
   RETURN_IF_ERROR(ValidateId(header.map(), "header.map"));
   ASSIGN_OR_RETURN(MissionId mission, AtField("header.mission", FromProto(header.mission())));
   map_id_ = header.map();
