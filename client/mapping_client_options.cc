@@ -8,6 +8,9 @@
 namespace overtone {
 namespace {
 
+// Below it a submap of a megabyte takes more than a quarter of an hour.
+constexpr int64_t kMinUploadBytesPerS = 1000;
+
 absl::Status CheckPositive(absl::Duration duration, absl::string_view field) {
   if (duration > absl::ZeroDuration() && duration < absl::InfiniteDuration())
     return absl::OkStatus();
@@ -26,6 +29,12 @@ absl::Status MappingClientOptions::Validate() const {
     return absl::InvalidArgumentError(absl::StrCat("outbox_capacity_bytes: at least ",
                                                    limits::kMaxSubmapBytes, " (one submap), got ",
                                                    outbox_capacity_bytes));
+  }
+  RETURN_IF_ERROR(CheckPositive(outbox_sync_interval, "outbox_sync_interval"));
+  if (max_upload_bytes_per_s != 0 && max_upload_bytes_per_s < kMinUploadBytesPerS) {
+    return absl::InvalidArgumentError(absl::StrCat("max_upload_bytes_per_s: 0 or at least ",
+                                                   kMinUploadBytesPerS, ", got ",
+                                                   max_upload_bytes_per_s));
   }
   const absl::Status cloud_status = clouds.Validate();
   if (!cloud_status.ok()) {

@@ -5,50 +5,64 @@
 #include <utility>
 
 namespace overtone {
-namespace {
 
-int64_t Size(const WaitingBlob& blob) { return static_cast<int64_t>(blob.bytes->size()); }
-
-}  // namespace
-
-void BlobQueue::Push(WaitingBlob blob) {
-  bytes_ += Size(blob);
-  blobs_.push_back(std::move(blob));
+void BlobQueue::Push(OutboxItem blob) {
+  bytes_ += blob.size;
+  items_.push_back(std::move(blob));
 }
 
-void BlobQueue::PopFront() {
-  bytes_ -= Size(blobs_.front());
-  blobs_.pop_front();
+OutboxItem BlobQueue::PopFront() {
+  OutboxItem blob = std::move(items_.front());
+  items_.pop_front();
+  bytes_ -= blob.size;
+  return blob;
 }
 
-SharedBytes BlobQueue::Find(const std::string& sha256) const {
-  const auto it = std::find_if(blobs_.begin(), blobs_.end(),
-                               [&](const WaitingBlob& blob) { return blob.sha256 == sha256; });
-  return it == blobs_.end() ? nullptr : it->bytes;
+const OutboxItem* BlobQueue::Find(const std::string& sha256) const {
+  const auto it = std::find_if(items_.begin(), items_.end(),
+                               [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
+  return it == items_.end() ? nullptr : &*it;
 }
 
-int64_t BlobQueue::Remove(const std::string& sha256) {
-  int64_t removed = 0;
-  for (auto it = blobs_.begin(); it != blobs_.end();) {
+std::vector<OutboxItem> BlobQueue::Remove(const std::string& sha256) {
+  std::vector<OutboxItem> removed;
+  for (auto it = items_.begin(); it != items_.end();) {
     if (it->sha256 != sha256) {
       ++it;
       continue;
     }
-    bytes_ -= Size(*it);
-    it = blobs_.erase(it);
-    ++removed;
+    bytes_ -= it->size;
+    removed.push_back(std::move(*it));
+    it = items_.erase(it);
   }
   return removed;
 }
 
-void BlobQueue::RemoveThrough(int64_t sequence) {
-  while (!blobs_.empty() && blobs_.front().sequence <= sequence) PopFront();
+int64_t BlobQueue::RemoveIf(const std::function<bool(const OutboxItem&)>& condition) {
+  const int64_t before = size();
+  items_.erase(std::remove_if(items_.begin(), items_.end(),
+                              [&](const OutboxItem& blob) {
+                                if (!condition(blob)) return false;
+                                bytes_ -= blob.size;
+                                return true;
+                              }),
+               items_.end());
+  return before - size();
 }
 
-void BlobQueue::RemoveFrom(int64_t sequence) {
-  for (; !blobs_.empty() && blobs_.back().sequence >= sequence; blobs_.pop_back()) {
-    bytes_ -= Size(blobs_.back());
+std::vector<OutboxItem> BlobQueue::RemoveThrough(int64_t sequence) {
+  std::vector<OutboxItem> removed;
+  while (!empty() && items_.front().sequence <= sequence) removed.push_back(PopFront());
+  return removed;
+}
+
+std::vector<OutboxItem> BlobQueue::RemoveFrom(int64_t sequence) {
+  std::vector<OutboxItem> removed;
+  for (; !empty() && items_.back().sequence >= sequence; items_.pop_back()) {
+    bytes_ -= items_.back().size;
+    removed.push_back(std::move(items_.back()));
   }
+  return removed;
 }
 
 }  // namespace overtone

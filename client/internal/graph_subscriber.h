@@ -56,13 +56,15 @@ class GraphSubscriber {
   absl::Status HandleDelta(const v1::GraphDelta& delta);
   void Hold(MapGraph graph);
   void SetLinkState(LinkState state);
-  // Waits for `condition` on mutex_ until `deadline`, and tells the listener when the link becomes
-  // stale meanwhile.
+  // Waits for `condition` on mutex_ until `deadline`, and tells the listener what becomes of the
+  // link meanwhile. True: it holds.
+  Clock::time_point TellOverdue(Clock::time_point now);
   bool Await(const absl::Condition& condition, Clock::time_point deadline);
 
   v1::MappingService::Stub* const stub_;
   v1::WatchGraphRequest request_;
   Backoff backoff_;
+  QuietRestart quiet_restart_;
   const Clock::duration stale_after_;
   TrafficCounters* const counters_;
   const Logger logger_;
@@ -74,6 +76,9 @@ class GraphSubscriber {
   LinkState link_state_ = LinkState::kConnecting;
   Clock::time_point last_heard_ = Clock::now();
   bool heard_before_ = false;
+  bool heard_on_this_stream_ = false;
+  // Begun anew quietly: when the host is told after all; max: it is not so.
+  Clock::time_point connecting_at_ = Clock::time_point::max();
 
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

@@ -26,7 +26,9 @@ constexpr absl::Duration kPatience = absl::Seconds(20);
 // An uploader with its outbox, and what it reports.
 class Robot {
  public:
-  Robot(const std::string& address, int num_submaps) : outbox_(64 << 20) {
+  Robot(const std::string& address, int num_submaps,
+        absl::Duration stall_timeout = absl::Minutes(5), TokenBucket* bucket = nullptr)
+      : outbox_(64 << 20) {
     for (int64_t i = 0; i < num_submaps; ++i) Push(i);
     MappingClientOptions options;
     options.server = address;
@@ -34,18 +36,27 @@ class Robot {
     options.max_backoff = absl::Milliseconds(20);
     stub_ = v1::MappingService::NewStub(CreateChannel(options));
     uploader_ = std::make_unique<SubmapUploader>(
-        stub_.get(), "town", TestMission(),
-        Backoff(options.initial_backoff, options.max_backoff, /*seed=*/1), &outbox_, &counters_,
-        Logger(),
-        [this](int64_t sequence, const absl::Status& reason) {
+        stub_.get(),
+        SubmapUploader::Settings{"town", TestMission(),
+                                 Backoff(options.initial_backoff, options.max_backoff, /*seed=*/1),
+                                 stall_timeout, bucket},
+        &outbox_, &counters_, Logger([this](LogLevel, absl::string_view line) {
           absl::MutexLock lock(&mutex_);
-          refused_.emplace_back(sequence, reason.code());
-          outbox_.RemoveSubmapsFrom(sequence);
-        },
-        [this] {
-          absl::MutexLock lock(&mutex_);
-          ++drops_;
-        });
+          log_.emplace_back(line);
+        }),
+        SubmapUploader::Listener{[this](int64_t sequence, const absl::Status& reason) {
+                                   absl::MutexLock lock(&mutex_);
+                                   refused_.emplace_back(sequence, reason.code());
+                                   outbox_.RemoveSubmapsFrom(sequence);
+                                 },
+                                 [this] {
+                                   absl::MutexLock lock(&mutex_);
+                                   ++drops_;
+                                 },
+                                 [this](int64_t first_waiting, const absl::Status&) {
+                                   absl::MutexLock lock(&mutex_);
+                                   gaps_.push_back(first_waiting);
+                                 }});
   }
 
   void Push(int64_t sequence, std::vector<WaitingBlob> blobs = {}) {
@@ -63,7 +74,7 @@ class Robot {
     if (uploader_ != nullptr) uploader_->Notify();
   }
 
-  InMemoryOutbox& outbox() { return outbox_; }
+  SubmapOutbox& outbox() { return outbox_; }
   std::vector<std::pair<int64_t, absl::StatusCode>> refused() {
     absl::MutexLock lock(&mutex_);
     return refused_;
@@ -72,14 +83,24 @@ class Robot {
     absl::MutexLock lock(&mutex_);
     return drops_;
   }
+  std::vector<int64_t> gaps() {
+    absl::MutexLock lock(&mutex_);
+    return gaps_;
+  }
+  std::vector<std::string> log() {
+    absl::MutexLock lock(&mutex_);
+    return log_;
+  }
   void Stop() { uploader_.reset(); }
 
  private:
-  InMemoryOutbox outbox_;
+  SubmapOutbox outbox_;
   TrafficCounters counters_;
   absl::Mutex mutex_;
   std::vector<std::pair<int64_t, absl::StatusCode>> refused_ ABSL_GUARDED_BY(mutex_);
   int drops_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<int64_t> gaps_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::string> log_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<v1::MappingService::Stub> stub_;
   std::unique_ptr<SubmapUploader> uploader_;
 };
