@@ -11,10 +11,12 @@
 #include "grpcpp/channel.h"
 #include "overtone/client/internal/backoff.h"
 #include "overtone/client/internal/channel.h"
+#include "overtone/client/internal/clock_probe.h"
 #include "overtone/client/internal/cloud_encoding.h"
 #include "overtone/client/internal/exception_guard.h"
 #include "overtone/client/internal/graph_subscriber.h"
 #include "overtone/client/internal/host_thread.h"
+#include "overtone/client/internal/leftover_missions.h"
 #include "overtone/client/internal/logger.h"
 #include "overtone/client/internal/loop_closure_uploader.h"
 #include "overtone/client/internal/outbox_directory.h"
@@ -60,6 +62,7 @@ class GrpcMappingClient final : public MappingClient {
         outbox_(std::move(outbox)),
         host_(options_.mission, options_.synchronization, options_.min_time_between_comparisons,
               host, logger_),
+        clock_(stub_.get(), options_.clock_offset_warning, &counters_, logger_),
         intake_(outbox_.get(), options_.clouds, options_.outbox_sync_interval, logger_,
                 [this] { OnStored(); }),
         submaps_(stub_.get(),
@@ -75,10 +78,12 @@ class GrpcMappingClient final : public MappingClient {
         loop_closures_(
             stub_.get(), NewBackoff(), outbox_.get(), &counters_, logger_,
             [this](const absl::Status& reason) { OnLoopClosuresRefused(reason); }, &bucket_),
-        graphs_(stub_.get(), WatchRequest(options_), NewBackoff(), options_.stale_after, &counters_,
-                logger_,
-                {[this](std::shared_ptr<const MapGraph> graph) { host_.OnGraph(std::move(graph)); },
-                 [this](LinkState state) { host_.OnLinkState(state); }}) {
+        graphs_(
+            stub_.get(), WatchRequest(options_), NewBackoff(), options_.stale_after, &counters_,
+            logger_,
+            {[this](std::shared_ptr<const MapGraph> graph) { host_.OnGraph(std::move(graph)); },
+             [this](LinkState state) { host_.OnLinkState(state); }, [this] { clock_.OnHeard(); }}),
+        leftovers_(stub_.get(), options_, &counters_, &bucket_, logger_) {
     {
       absl::MutexLock lock(&mutex_);
       sequence_.MoveTo(outbox_->Position());
@@ -145,6 +150,11 @@ class GrpcMappingClient final : public MappingClient {
     stats.clouds_dropped = level.clouds_dropped;
     stats.persisted_through = level.saved_through;
     stats.synced_through = level.synced_through;
+    stats.missions_waiting = leftovers_.waiting();
+    if (const auto offset = clock_.Offset()) {
+      stats.clock_offset_s = absl::ToDoubleSeconds(offset->offset);
+      stats.clock_offset_uncertainty_s = absl::ToDoubleSeconds(offset->uncertainty);
+    }
     stats.outbox_on_disk = outbox_->HasFile() && level.disk_ok;
     stats.revision = graph == nullptr ? 0 : graph->revision;
     stats.comparisons = host_.comparisons();
@@ -279,10 +289,12 @@ class GrpcMappingClient final : public MappingClient {
   const std::unique_ptr<SubmapOutbox> outbox_;
   // Stopped from the last to the first: nothing calls host_ any more when it goes.
   HostThread host_;
+  ClockProbe clock_;
   SubmapIntake intake_;
   SubmapUploader submaps_;
   LoopClosureUploader loop_closures_;
   GraphSubscriber graphs_;
+  LeftoverMissions leftovers_;
 };
 
 absl::StatusOr<std::unique_ptr<SubmapOutbox>> OpenMissionOutbox(

@@ -5,6 +5,7 @@
 #define OVERTONE_CLIENT_MAPPING_CLIENT_H_
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -37,6 +38,9 @@ struct MappingClientStats {
   int64_t missions_waiting = 0;  // earlier ones, of which something is left to go up
   uint64_t revision = 0;         // of the newest graph
   int64_t comparisons = 0;
+  // The robot's clock minus the server's, seconds, and what it is certainly within. NaN: not known.
+  double clock_offset_s = std::numeric_limits<double>::quiet_NaN();
+  double clock_offset_uncertainty_s = std::numeric_limits<double>::quiet_NaN();
 };
 
 // What one comparison did, for logs and plots.

@@ -54,6 +54,10 @@ struct MappingClientOptions {
   // Nothing heard for so long: LinkState::kStale.
   absl::Duration stale_after = absl::Seconds(15);
 
+  // Warn in the log when the robot's clock is certainly further than this from the server's. The
+  // mission itself does not depend on it: stamps are compared with those of the same robot only.
+  absl::Duration clock_offset_warning = absl::Milliseconds(500);
+
   SynchronizationOptions synchronization;
 
   // Where the library's messages go; none by default. Called from the client's threads.

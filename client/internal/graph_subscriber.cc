@@ -92,6 +92,7 @@ absl::Status GraphSubscriber::HandleFrames(WatchStream& stream) {
     if (!heard_on_this_stream_ && std::exchange(heard_before_, true)) ++counters_->reconnects;
     heard_on_this_stream_ = true;
     SetLinkState(LinkState::kLive);
+    listener_.on_heard();
     RETURN_IF_ERROR(Handle(frame));
     backoff_.Reset();
   }

@@ -27,12 +27,13 @@ namespace overtone {
 // is given up after `stale_after`.
 class GraphSubscriber {
  public:
-  // Both are called from the subscriber's thread. Every graph is newer than the one before, or of
+  // All are called from the subscriber's thread. Every graph is newer than the one before, or of
   // another epoch.
   struct Listener {
     std::function<void(std::shared_ptr<const MapGraph>)> on_graph;
     std::function<void(LinkState)>
         on_link_state;  // changes only; the first state, kConnecting, is not told
+    std::function<void()> on_heard = [] {};  // any frame
   };
 
   // `request` names the map and the options. All pointers must outlive the subscriber.

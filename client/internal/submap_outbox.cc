@@ -348,4 +348,9 @@ void SubmapOutbox::Close() {
   closed_ = true;
 }
 
+bool SubmapOutbox::Closed() const {
+  absl::MutexLock lock(&mutex_);
+  return closed_;
+}
+
 }  // namespace overtone

@@ -137,6 +137,7 @@ class SubmapOutbox {
   bool AwaitEmpty(absl::Duration timeout) const;
   // Wakes all who wait in AwaitEmpty, for good.
   void Close();
+  bool Closed() const;
   // Removes the file. What still waits is lost when the outbox goes.
   void RemoveFile();
 
