@@ -234,6 +234,37 @@ TEST_F(OutboxOnDiskTest, DamageCostsWhatItHitsAndNoMore) {
             << " of " << kSubmaps << " submaps\n";
 }
 
+// The file is overwritten under the open outbox; deleting what was acknowledged finds it out.
+TEST_F(OutboxOnDiskTest, DamageThatShowsLaterIsSetAsideToo) {
+  constexpr int64_t kSubmaps = 150;
+  ASSERT_TRUE(Reopen().ok());
+  for (int64_t i = 0; i < kSubmaps; ++i) {
+    Push(i, /*blob_bytes=*/100'000);
+    ASSERT_TRUE(outbox_->Flush().ok());
+  }
+  {
+    std::fstream file(path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(8192);
+    file << std::string(6 << 20, '\xa5');
+  }
+  outbox_->RemoveSubmapsThrough(99);
+  outbox_->RemoveBlobsThrough(99);
+  Push(kSubmaps);
+  ASSERT_TRUE(outbox_->Flush().ok());
+  EXPECT_EQ(FilesSetAside(), 1);
+  EXPECT_THAT(log_, Contains(HasSubstr("damaged")));
+  EXPECT_EQ(outbox_->Position().next_sequence, kSubmaps + 1);
+  const OutboxLevel level = outbox_->Level();
+  EXPECT_EQ(level.blobs + level.clouds_dropped, 51);
+  EXPECT_GE(level.submaps, 1);
+  ExpectIntact(kSubmaps);
+  ASSERT_TRUE(Reopen().ok());
+  EXPECT_EQ(outbox_->Level().submaps, level.submaps);
+  EXPECT_EQ(outbox_->Level().blobs, level.blobs);
+  EXPECT_EQ(outbox_->Position().next_sequence, kSubmaps + 1);
+  ExpectIntact(kSubmaps);
+}
+
 // Files may not grow beyond so many bytes: what a full disk does, to this process alone.
 class FileSizeLimit {
  public:

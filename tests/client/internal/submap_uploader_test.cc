@@ -18,6 +18,7 @@ namespace overtone {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using Upload = ScriptedMappingServer::Upload;
 using Script = ScriptedMappingServer::Script;
 
@@ -104,6 +105,10 @@ class Robot {
   std::unique_ptr<v1::MappingService::Stub> stub_;
   std::unique_ptr<SubmapUploader> uploader_;
 };
+
+WaitingBlob Blob(const std::string& content, size_t size) {
+  return {0, content, std::make_shared<const std::string>(size, content[0])};
+}
 
 TEST(SubmapUploader, SendsTheHeaderAndThenFromWhereReadySays) {
   ScriptedMappingServer server({[](int, Upload& upload) {
@@ -288,10 +293,63 @@ TEST(SubmapUploader, KeepsWhatWaitsWhenTheServerFellBehindWhatItAcknowledged) {
   ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
   EXPECT_GE(server.Headers().size(), 5);
   for (const int64_t sequence : server.Received()) EXPECT_GE(sequence, 3);
+  EXPECT_THAT(robot.gaps(), ElementsAre(3));
 }
 
-WaitingBlob Blob(const std::string& content, size_t size) {
-  return {0, content, std::make_shared<const std::string>(size, content[0])};
+// One that closes old connections, or restarts within a moment.
+TEST(SubmapUploader, AStreamThatWorkedIsBegunAnewAtOnceAndWithoutAWord) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    upload.Ready(call);
+    if (call > 0) return upload.AcknowledgeEverything();
+    upload.Ack(upload.Read());
+    return grpc::Status::OK;
+  }});
+  Robot robot(server.address(), /*num_submaps=*/3);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(server.Received(), ElementsAre(0, 1, 2));
+  EXPECT_EQ(server.Headers().size(), 2u);
+  for (const std::string& line : robot.log()) EXPECT_THAT(line, HasSubstr("upload ready"));
+}
+
+// The link lives and the server stands still: neither Ready nor an acknowledgement.
+TEST(SubmapUploader, GivesUpAStreamOnWhichTheServerOwesAnAnswerForTooLong) {
+  ScriptedMappingServer* running = nullptr;
+  ScriptedMappingServer server({[&](int call, Upload& upload) {
+    if (call == 0) return running->Park();
+    upload.Ready(0);
+    if (call > 1) return upload.AcknowledgeEverything();
+    upload.Read();
+    return running->Park();
+  }});
+  running = &server;
+  Robot robot(server.address(), /*num_submaps=*/1, /*stall_timeout=*/absl::Milliseconds(100));
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_GE(server.Headers().size(), 3u);
+}
+
+// What is bounded is counted: the law of the bucket has its own test.
+TEST(SubmapUploader, UnderABoundChunksAreSmallAndEveryByteIsPaidFor) {
+  constexpr int64_t kRate = 200'000;
+  std::vector<int64_t> chunks;
+  ScriptedMappingServer server({[&](int, Upload& upload) {
+    upload.Ready(0);
+    upload.Ack(upload.Read());
+    upload.Want({"a"});
+    for (int64_t received = 0; received < 300'000; received += chunks.back()) {
+      chunks.push_back(static_cast<int64_t>(upload.ReadFrame().blob().data().size()));
+      if (chunks.back() == 0) return grpc::Status::OK;
+    }
+    upload.BlobResult("a", grpc::StatusCode::OK);
+    return upload.AcknowledgeEverything();
+  }});
+  const TokenBucket::Clock::time_point start = TokenBucket::Clock::now();
+  TokenBucket bucket(kRate, start);
+  Robot robot(server.address(), /*num_submaps=*/0, absl::Minutes(5), &bucket);
+  robot.Push(0, {Blob("a", 300'000)});
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(chunks, ElementsAre(200'000, 100'000));
+  // 300 kB of 200 kB that were there, and of what came since.
+  EXPECT_GT(bucket.ReadyAt(start), start);
 }
 
 TEST(SubmapUploader, SendsWhatIsWantedAndLetsItGoWhenItIsTaken) {
