@@ -30,6 +30,7 @@ class InMemorySubmapStore : public SubmapStore {
   void PutSnapshot(std::string bytes, std::function<void(absl::Status)> done) override;
   absl::StatusOr<std::string> GetSnapshot() const override;
   absl::Status DeleteMission(const MissionId& mission) override;
+  void Drain() override {}
   StoreReport Verify() const override { return StoreReport(); }
   absl::Status Backup(const std::string& path) const override;
   void PutBlob(const std::string& sha256, SharedBlob blob,

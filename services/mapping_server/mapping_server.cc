@@ -56,6 +56,7 @@ MappingServer::MappingServer(const ServerOptions& options)
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
   std::unique_ptr<MappingServer> server(new MappingServer(options));
+  RETURN_IF_ERROR(server->registry_.Open());
   RETURN_IF_ERROR(server->Listen());
   if (!options.metrics_listen.empty()) {
     ASSIGN_OR_RETURN(server->metrics_,

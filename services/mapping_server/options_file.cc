@@ -63,6 +63,7 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
   LoopDetectorOptions& loops = options.loop_closures;
   return {
       {"listen", Into(options.listen)},
+      {"data_dir", Into(options.data_dir)},
       {"metrics_listen", Into(options.metrics_listen)},
       {"log_level", Into(options.log_level)},
       {"reflection", Into(options.reflection)},

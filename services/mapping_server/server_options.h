@@ -52,6 +52,8 @@ struct PublisherOptions {
 struct ServerOptions {
   // host:port; port 0 takes a free one. Only this host by default: there is no authentication yet.
   std::string listen = "localhost:7077";
+  // Where maps are kept over restarts; ":memory:" keeps them as long as the process.
+  std::string data_dir = "overtone-data";
   // host:port of http://.../metrics for Prometheus; empty: none.
   std::string metrics_listen;
   // trace, debug, info, warning, error, critical, off. To stderr.

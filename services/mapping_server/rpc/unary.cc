@@ -63,6 +63,7 @@ absl::StatusOr<v1::GetUploadStateResponse> GetUploadState(
   RETURN_IF_ERROR(ValidateId(request.map(), "map"));
   ASSIGN_OR_RETURN(const MissionId mission, AtField("mission", FromProto(request.mission())));
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry.Find(request.map());
+  if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
   const UploadState state = map.ok() ? (*map)->store().State(mission) : UploadState();
   v1::GetUploadStateResponse response;
   response.set_next_sequence(state.next_sequence);

@@ -80,6 +80,8 @@ absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   map_id_ = header.map();
   mission_ = std::move(mission);
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry_->Find(map_id_);
+  // A map that is only out of reach has sequences already.
+  if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
   if (map.ok()) map_ = *map;
   RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
   const int64_t next_sequence = NextSequence();
