@@ -8,8 +8,8 @@
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
@@ -64,7 +64,6 @@ class Run {
   // Hands over `count` submaps and prints what each cost.
   void Measure(const std::string& name, int count) {
     std::vector<double> latency_us;
-    std::vector<Submap> submaps;
     const double written_before = NumberIn("/proc/self/io", "write_bytes");
     double processor_s = 0;
     for (int i = 0; i < count; ++i) {
@@ -154,5 +153,5 @@ int main(int argc, char** argv) {
   Run(directory("clouds"), 20'000, absl::ZeroDuration())
       .Measure("on disk, a cloud of 20,000 points", 2000);
   Run(directory("clouds_slow"), 20'000, absl::Milliseconds(100))
-      .Measure("on disk, a cloud of 20,000 points, 10 Hz", 200);
+      .Measure("on disk, a cloud of 20,000 points, 10 Hz", 400);
 }

@@ -8,45 +8,48 @@ namespace overtone {
 
 void BlobQueue::Push(OutboxItem blob) {
   bytes_ += blob.size;
+  ++count_[blob.sha256];
   items_.push_back(std::move(blob));
+}
+
+void BlobQueue::Forget(const OutboxItem& blob) {
+  bytes_ -= blob.size;
+  const auto it = count_.find(blob.sha256);
+  if (--it->second == 0) count_.erase(it);
 }
 
 OutboxItem BlobQueue::PopFront() {
   OutboxItem blob = std::move(items_.front());
   items_.pop_front();
-  bytes_ -= blob.size;
+  Forget(blob);
   return blob;
 }
 
 const OutboxItem* BlobQueue::Find(const std::string& sha256) const {
-  const auto it = std::find_if(items_.begin(), items_.end(),
-                               [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
-  return it == items_.end() ? nullptr : &*it;
+  if (!count_.contains(sha256)) return nullptr;
+  return &*std::find_if(items_.begin(), items_.end(),
+                        [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
 }
 
 std::vector<OutboxItem> BlobQueue::Remove(const std::string& sha256) {
   std::vector<OutboxItem> removed;
-  for (auto it = items_.begin(); it != items_.end();) {
-    if (it->sha256 != sha256) {
-      ++it;
-      continue;
-    }
-    bytes_ -= it->size;
+  const auto count = count_.find(sha256);
+  for (int64_t left = count == count_.end() ? 0 : count->second; left > 0; --left) {
+    const auto it = std::find_if(items_.begin(), items_.end(),
+                                 [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
+    Forget(*it);
     removed.push_back(std::move(*it));
-    it = items_.erase(it);
+    items_.erase(it);
   }
   return removed;
 }
 
 int64_t BlobQueue::RemoveIf(const std::function<bool(const OutboxItem&)>& condition) {
   const int64_t before = size();
-  items_.erase(std::remove_if(items_.begin(), items_.end(),
-                              [&](const OutboxItem& blob) {
-                                if (!condition(blob)) return false;
-                                bytes_ -= blob.size;
-                                return true;
-                              }),
-               items_.end());
+  for (const OutboxItem& blob : items_) {
+    if (condition(blob)) Forget(blob);
+  }
+  items_.erase(std::remove_if(items_.begin(), items_.end(), condition), items_.end());
   return before - size();
 }
 
@@ -59,7 +62,7 @@ std::vector<OutboxItem> BlobQueue::RemoveThrough(int64_t sequence) {
 std::vector<OutboxItem> BlobQueue::RemoveFrom(int64_t sequence) {
   std::vector<OutboxItem> removed;
   for (; !empty() && items_.back().sequence >= sequence; items_.pop_back()) {
-    bytes_ -= items_.back().size;
+    Forget(items_.back());
     removed.push_back(std::move(items_.back()));
   }
   return removed;

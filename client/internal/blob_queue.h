@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/container/flat_hash_map.h"
 #include "overtone/client/internal/outbox_item.h"
 
 namespace overtone {
@@ -18,6 +19,7 @@ namespace overtone {
 class BlobQueue {
  public:
   int64_t bytes() const { return bytes_; }
+  // To be marked as saved; nothing else.
   std::deque<OutboxItem>& items() { return items_; }
   const std::deque<OutboxItem>& items() const { return items_; }
   bool empty() const { return items_.empty(); }
@@ -34,8 +36,11 @@ class BlobQueue {
   int64_t RemoveIf(const std::function<bool(const OutboxItem&)>& condition);
 
  private:
-  // What is asked for and answered is near the front.
+  void Forget(const OutboxItem& blob);
+
+  // What is asked for and answered is near the front; what is not there is not looked for.
   std::deque<OutboxItem> items_;
+  absl::flat_hash_map<std::string, int64_t> count_;  // by digest
   int64_t bytes_ = 0;
 };
 
