@@ -57,8 +57,6 @@ MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<Serve
 
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
-  std::unique_ptr<MappingServer> server(new MappingServer(options));
-  RETURN_IF_ERROR(server->registry_.Open());
   ASSIGN_OR_RETURN(std::unique_ptr<ServerSecurity> security,
                    ServerSecurity::Create(options.security));
   std::unique_ptr<MappingServer> server(new MappingServer(options, std::move(security)));
