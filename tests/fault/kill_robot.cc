@@ -39,7 +39,8 @@ int Run(MappingClient& client) {
     if (sequence * 2654435761 % 8 != 0) continue;
     const absl::Status persisted = client.WaitUntilPersisted(kPatience);
     if (!persisted.ok()) return Fail(persisted);
-    Say("persisted", client.Stats().persisted_through);
+    if (client.Stats().persisted_through < sequence) return Fail(absl::InternalError("not told"));
+    Say("persisted", sequence);
   }
 }
 
