@@ -204,7 +204,7 @@ std::vector<MappingPipeline::Work> MappingPipeline::TakeWork() {
     last_work_ = absl::Now();
   }
   if (stopping_) return {};
-  in_hand_ = static_cast<int64_t>(work_.size());
+  in_hand_ = static_cast<int64_t>(work_.size()) + (map_.dirty() ? 1 : 0);
   return std::exchange(work_, {});
 }
 
