@@ -9,7 +9,8 @@
 
 namespace overtone {
 
-MapRegistry::MapRegistry(const ServerOptions& options) : options_(options) {}
+MapRegistry::MapRegistry(const ServerOptions& options)
+    : options_(options), disposal_(std::make_unique<DisposalThread>()) {}
 
 absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Find(const std::string& id) const {
   RETURN_IF_ERROR(ValidateId(id, "map"));
@@ -35,7 +36,11 @@ absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Acquire(const std::strin
     return absl::ResourceExhaustedError(
         absl::StrCat("map: the server has ", options_.limits.max_maps, " already, its limit"));
   }
-  auto map = std::make_shared<HostedMap>(id, options_);
+  // The last to let go of a map that never was kept may be its store's own thread.
+  std::shared_ptr<HostedMap> map(new HostedMap(id, options_),
+                                 [dispose = disposal_->disposer()](HostedMap* gone) {
+                                   dispose([gone] { delete gone; });
+                                 });
   waiting = map;
   return map;
 }

@@ -10,6 +10,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
+#include "overtone/services/mapping_server/disposal_thread.h"
 #include "overtone/services/mapping_server/hosted_map.h"
 #include "overtone/services/mapping_server/server_options.h"
 
@@ -39,6 +40,7 @@ class MapRegistry {
 
  private:
   const ServerOptions options_;
+  std::unique_ptr<DisposalThread> disposal_;  // destroyed last: maps go through it
   mutable absl::Mutex mutex_;
   std::map<std::string, std::shared_ptr<HostedMap>> maps_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::weak_ptr<HostedMap>> waiting_ ABSL_GUARDED_BY(mutex_);
