@@ -202,6 +202,7 @@ void UploadSubmaps::AskForBlobs(const HostedMap& map) {
       map.store().MissingBlobs(mission_, limits::kMaxWantsPerFrame);
   std::vector<MissingBlob> wanted;
   for (const MissingBlob& blob : missing) {
+    // The store may have many more than it has answered for yet.
     if (asked_.size() >= limits::kMaxWantsPerFrame) break;
     if (asked_.emplace(blob.sha256, blob.encoded_bytes).second) wanted.push_back(blob);
   }
