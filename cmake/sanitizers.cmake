@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: Apache-2.0
+# What OVERTONE_SANITIZE=address,undefined or =thread means for the compiler.
+set(flags -fsanitize=${OVERTONE_SANITIZE} -fno-omit-frame-pointer)
+if(OVERTONE_SANITIZE MATCHES "undefined")
+  # The first finding ends the test. AddressSanitizer finds what null and object-size look for; these two and vptr are
+  # half of the compiler's work on gRPC's headers.
+  list(APPEND flags -fno-sanitize-recover=undefined -fno-sanitize=null,object-size,vptr)
+endif()
+if(OVERTONE_BUILD_FUZZERS)
+  # Counts edges in the libraries, too; tests link the same ones.
+  list(APPEND flags -fsanitize=fuzzer-no-link)
+endif()
+# -O1: the fastest to build that is still fast enough to run. Assertions are on (no NDEBUG), Eigen's bounds checks among them.
+add_compile_options(-O1 -g1 ${flags})
+add_link_options(${flags})
