@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// UploadSubmaps: header, submaps and blobs of one stream, as rpc/upload_submaps.cc takes them. What
+// is taken must be fit for the store and for the map.
+#include "overtone/core/mapping/multi_robot_map.h"
+#include "overtone/proto/conversion/field_path.h"
+#include "overtone/proto/conversion/id_conversion.h"
+#include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/in_memory_submap_store.h"
+#include "overtone/services/mapping_server/rpc/blob_assembly.h"
+#include "overtone/services/mapping_server/submap_digest.h"
+#include "overtone/tests/fuzz/fuzz_input.h"
+
+namespace overtone::fuzz {
+namespace {
+
+constexpr size_t kMaxWanted = 256;
+
+// What is kept of a submap goes out and comes in again as it is.
+void CheckPassedOn(const Submap& submap, const MissionId& mission) {
+  const v1::Submap message = ToProto(submap);
+  const absl::StatusOr<Submap> again = FromProto(message, mission);
+  FUZZ_CHECK(again.ok(), again.status().ToString());
+  FUZZ_CHECK(ToProto(*again).SerializeAsString() == message.SerializeAsString(),
+             "changed on its way");
+}
+
+class Stream {
+ public:
+  Stream() : store_(ServerLimits(), NoSink()), map_(MultiRobotMapOptions()) {}
+
+  // False: the stream ends.
+  bool Take(const v1::UploadSubmapsRequest& frame) {
+    switch (frame.frame_case()) {
+      case v1::UploadSubmapsRequest::kHeader:
+        return TakeHeader(frame.header());
+      case v1::UploadSubmapsRequest::kSubmap:
+        if (has_mission_) TakeSubmap(frame.submap());
+        return has_mission_;
+      case v1::UploadSubmapsRequest::kBlob:
+        if (has_mission_) TakeBlob(frame.blob());
+        return has_mission_;
+      case v1::UploadSubmapsRequest::FRAME_NOT_SET:
+        return false;
+    }
+    return false;
+  }
+
+ private:
+  static SubmapStore::Sink NoSink() {
+    return {[](const MissionId&, std::shared_ptr<const Submap>) {}, [](const LoopClosure&) {},
+            [](const MissionId&, int64_t, const std::string&) {}, [](const MissionId&, int64_t) {}};
+  }
+
+  bool TakeHeader(const v1::UploadHeader& header) {
+    if (has_mission_ || !ValidateId(header.map(), "header.map").ok()) return false;
+    absl::StatusOr<MissionId> mission = AtField("header.mission", FromProto(header.mission()));
+    has_mission_ = mission.ok();
+    if (has_mission_) mission_ = *std::move(mission);
+    return has_mission_;
+  }
+
+  void TakeSubmap(const v1::Submap& message) {
+    const absl::StatusOr<Submap> submap = AtField("submap", FromProto(message, mission_));
+    if (!submap.ok()) {
+      FUZZ_CHECK(absl::IsInvalidArgument(submap.status()), submap.status().ToString());
+      (void)ToGrpcStatus(submap.status());
+      return;
+    }
+    CheckPassedOn(*submap, mission_);
+    store_.Append({mission_, std::make_shared<const Submap>(*submap), Sha256(message)},
+                  [&](const absl::StatusOr<AppendResult>& result) {
+                    if (result.ok() && result->added) AddToMap(*submap);
+                  });
+  }
+
+  void AddToMap(const Submap& submap) {
+    const absl::Status added = map_.AddSubmap(mission_, submap);
+    FUZZ_CHECK(added.ok(), added.ToString());
+    for (const ScoredCandidate& candidate : submap.candidates) {
+      const absl::Status scored = map_.AddScoredCandidate(candidate);
+      FUZZ_CHECK(scored.ok(), scored.ToString());
+    }
+  }
+
+  void TakeBlob(const v1::BlobChunk& chunk) {
+    absl::optional<int64_t> wanted_bytes;
+    for (const MissingBlob& missing : store_.MissingBlobs(mission_, kMaxWanted)) {
+      if (missing.sha256 == chunk.sha256()) wanted_bytes = missing.encoded_bytes;
+    }
+    absl::optional<BlobAssembly::Outcome> outcome = assembly_.Take(chunk, wanted_bytes);
+    if (!outcome.has_value()) return;
+    if (!outcome->status.ok()) {
+      if (wanted_bytes.has_value()) store_.AbandonBlob(mission_, outcome->sha256);
+      return;
+    }
+    store_.PutBlob(outcome->sha256, outcome->blob, [](const absl::Status& status) {
+      FUZZ_CHECK(status.ok(), status.ToString());  // it was wanted
+    });
+  }
+
+  InMemorySubmapStore store_;
+  MultiRobotMap map_;
+  BlobAssembly assembly_{ServerLimits().max_blob_bytes};
+  bool has_mission_ = false;
+  MissionId mission_;
+};
+
+void Run(absl::string_view input) {
+  Stream stream;
+  for (const absl::string_view bytes : Messages(input)) {
+    v1::UploadSubmapsRequest frame;
+    if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
+    if (!stream.Take(frame)) return;
+  }
+}
+
+}  // namespace
+}  // namespace overtone::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  overtone::fuzz::Run(overtone::fuzz::AsText(data, size));
+  return 0;
+}
