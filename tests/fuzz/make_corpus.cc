@@ -17,6 +17,7 @@
 #include "overtone/proto/conversion/submap_conversion.h"
 #include "overtone/services/mapping_server/options_file.h"
 #include "overtone/tests/fuzz/memory_file.h"
+#include "overtone/tests/fuzz/message_input.h"
 #include "overtone/tests/fuzz/request_world.h"
 #include "overtone/v1/map_admin_service.pb.h"
 #include "overtone/v1/mapping_service.pb.h"
@@ -40,12 +41,6 @@ class Corpus {
 std::string Slurp(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-// After its length, as Messages() takes it apart.
-std::string Framed(const google::protobuf::MessageLite& message) {
-  const std::string bytes = message.SerializeAsString();
-  return std::string{static_cast<char>(bytes.size()), static_cast<char>(bytes.size() >> 8)} + bytes;
 }
 
 PointCloud SmallCloud(bool intensities) {

@@ -8,6 +8,7 @@
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
+#include "overtone/tests/fuzz/message_input.h"
 #include "overtone/tests/fuzz/request_world.h"
 #include "spdlog/spdlog.h"
 
@@ -56,7 +57,7 @@ absl::Status WatchGraph(const v1::WatchGraphRequest& request) {
 template <typename Request, typename Call>
 void Answer(absl::string_view bytes, const Call& call) {
   Request request;
-  if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
+  if (!Parse(bytes, &request)) return;
   const absl::Status status = call(request);
   FUZZ_CHECK(!absl::IsInternal(status), status.ToString());
   (void)ToGrpcStatus(status);

@@ -4,7 +4,7 @@
 #include "overtone/client/internal/blob_sender.h"
 #include "overtone/client/internal/submap_sender.h"
 #include "overtone/proto/conversion/submap_conversion.h"
-#include "overtone/tests/fuzz/fuzz_input.h"
+#include "overtone/tests/fuzz/message_input.h"
 #include "overtone/tests/proto/conversion_fixture.h"
 
 namespace overtone::fuzz {
@@ -62,7 +62,7 @@ void Run(absl::string_view input) {
   BlobSender blobs(&outbox);
   for (const absl::string_view bytes : Messages(input)) {
     v1::UploadSubmapsResponse answer;
-    if (!answer.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) continue;
+    if (!Parse(bytes, &answer)) continue;
     if (!Handle(answer, &submaps, &blobs).ok() || !SendAll(&submaps, &blobs)) return;
     FUZZ_CHECK(submaps.bytes_in_flight() >= 0 && blobs.bytes_in_flight() >= 0,
                "less than nothing is under way");
@@ -75,4 +75,10 @@ void Run(absl::string_view input) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   overtone::fuzz::Run(overtone::fuzz::AsText(data, size));
   return 0;
+}
+
+extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t max_size,
+                                          unsigned seed) {
+  return overtone::fuzz::MutateFrames<overtone::v1::UploadSubmapsResponse>(data, size, max_size,
+                                                                           seed);
 }

@@ -9,7 +9,7 @@
 #include "overtone/services/mapping_server/in_memory_submap_store.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
 #include "overtone/services/mapping_server/submap_digest.h"
-#include "overtone/tests/fuzz/fuzz_input.h"
+#include "overtone/tests/fuzz/message_input.h"
 
 namespace overtone::fuzz {
 namespace {
@@ -110,7 +110,7 @@ void Run(absl::string_view input) {
   Stream stream;
   for (const absl::string_view bytes : Messages(input)) {
     v1::UploadSubmapsRequest frame;
-    if (!frame.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
+    if (!Parse(bytes, &frame)) return;
     if (!stream.Take(frame)) return;
   }
 }
@@ -121,4 +121,10 @@ void Run(absl::string_view input) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   overtone::fuzz::Run(overtone::fuzz::AsText(data, size));
   return 0;
+}
+
+extern "C" size_t LLVMFuzzerCustomMutator(uint8_t* data, size_t size, size_t max_size,
+                                          unsigned seed) {
+  return overtone::fuzz::MutateFrames<overtone::v1::UploadSubmapsRequest>(data, size, max_size,
+                                                                          seed);
 }
