@@ -11,7 +11,7 @@ cd "$(dirname "$0")/../.." || exit 2
 total=${1:-60}
 executions=${2:--1}
 build=${BUILD:-build/asan-ubsan}
-all=$(cd tests/fuzz/corpus && echo *)
+all=$(cd tests/fuzz && ls *.cc | sed 's/\.cc$//' | grep -v make_corpus)
 targets=${TARGETS:-$all}
 work=$(mktemp -d)
 trap 'rm -rf "$work" "$files"' EXIT INT TERM

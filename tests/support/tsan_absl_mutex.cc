@@ -42,12 +42,18 @@ Function* Next(const char* symbol) {
   return reinterpret_cast<Function*>(found);
 }
 
+// The library implements some of these functions with others of them, which come here as well: only
+// the outermost is annotated.
+thread_local int depth = 0;
+
 class Locking {
  public:
   Locking(Mutex* mutex, unsigned flags) : mutex_(mutex), flags_(flags) {
-    __tsan_mutex_pre_lock(mutex_, flags_);
+    if (depth++ == 0) __tsan_mutex_pre_lock(mutex_, flags_);
   }
-  ~Locking() { __tsan_mutex_post_lock(mutex_, flags_, /*recursion=*/0); }
+  ~Locking() {
+    if (--depth == 0) __tsan_mutex_post_lock(mutex_, flags_, /*recursion=*/0);
+  }
   void Failed() { flags_ |= __tsan_mutex_try_lock_failed; }
 
  private:
@@ -58,9 +64,11 @@ class Locking {
 class Unlocking {
  public:
   Unlocking(Mutex* mutex, unsigned flags) : mutex_(mutex), flags_(flags) {
-    __tsan_mutex_pre_unlock(mutex_, flags_);
+    if (depth++ == 0) __tsan_mutex_pre_unlock(mutex_, flags_);
   }
-  ~Unlocking() { __tsan_mutex_post_unlock(mutex_, flags_); }
+  ~Unlocking() {
+    if (--depth == 0) __tsan_mutex_post_unlock(mutex_, flags_);
+  }
 
  private:
   Mutex* const mutex_;
@@ -84,6 +92,10 @@ class Waiting {
 
 Mutex::~Mutex() {
   static auto* const next = Next<void(Mutex*)>(ABSL_SYMBOL("5MutexD1Ev"));
+  // After whoever unlocked it last: that they are through is often known from a count of references
+  // in a library that we do not see into. Who locks it later still is a race.
+  { Locking locking(this, kWrite); }
+  { Unlocking unlocking(this, kWrite); }
   next(this);
   __tsan_mutex_destroy(this, 0);
 }
