@@ -4,15 +4,21 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/rpc/backup_map.h"
 #include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
+#include "overtone/services/mapping_server/rpc/housekeeping.h"
+#include "overtone/services/mapping_server/rpc/restore_map.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 
 namespace overtone {
 
 MapAdminService::MapAdminService(int64_t max_message_bytes, const MapRegistry* registry,
-                                 const UploadSessions* sessions)
-    : max_message_bytes_(max_message_bytes), registry_(registry), sessions_(sessions) {}
+                                 const UploadSessions* sessions, MapMaintenance* maintenance)
+    : max_message_bytes_(max_message_bytes),
+      registry_(registry),
+      sessions_(sessions),
+      maintenance_(maintenance) {}
 
 grpc::ServerUnaryReactor* MapAdminService::ListMaps(grpc::CallbackServerContext* context,
                                                     const v1::ListMapsRequest* request,
@@ -78,6 +84,34 @@ grpc::ServerUnaryReactor* MapAdminService::GetTrajectory(grpc::CallbackServerCon
 grpc::ServerWriteReactor<v1::ExportMapResponse>* MapAdminService::ExportMap(
     grpc::CallbackServerContext*, const v1::ExportMapRequest* request) {
   return new overtone::ExportMap(MapFile(*registry_, *request));
+}
+
+grpc::ServerWriteReactor<v1::BackupMapResponse>* MapAdminService::BackupMap(
+    grpc::CallbackServerContext* context, const v1::BackupMapRequest* request) {
+  return new overtone::BackupMap(maintenance_, context, request->map());
+}
+
+grpc::ServerReadReactor<v1::RestoreMapRequest>* MapAdminService::RestoreMap(
+    grpc::CallbackServerContext* context, v1::RestoreMapResponse* response) {
+  return new overtone::RestoreMap(maintenance_, context, response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::VerifyMap(grpc::CallbackServerContext* context,
+                                                     const v1::VerifyMapRequest* request,
+                                                     v1::VerifyMapResponse* response) {
+  return overtone::VerifyMap(context, maintenance_, request, response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::DeleteMission(grpc::CallbackServerContext* context,
+                                                         const v1::DeleteMissionRequest* request,
+                                                         v1::DeleteMissionResponse* response) {
+  return overtone::DeleteMission(context, maintenance_, request, response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::DeleteMap(grpc::CallbackServerContext* context,
+                                                     const v1::DeleteMapRequest* request,
+                                                     v1::DeleteMapResponse* response) {
+  return overtone::DeleteMap(context, maintenance_, request, response);
 }
 
 }  // namespace overtone

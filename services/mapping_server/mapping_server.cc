@@ -50,8 +50,9 @@ void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& bui
 MappingServer::MappingServer(const ServerOptions& options)
     : options_(options),
       registry_(options),
+      maintenance_(options.limits, &registry_, &sessions_),
       mapping_service_(options, &registry_, &sessions_),
-      map_admin_service_(options.limits.max_message_bytes, &registry_, &sessions_) {}
+      map_admin_service_(options.limits.max_message_bytes, &registry_, &sessions_, &maintenance_) {}
 
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
@@ -95,6 +96,7 @@ void MappingServer::Shutdown(absl::Duration deadline) {
   spdlog::info("shutting down");
   metrics_.reset();
   server_->GetHealthCheckService()->Shutdown();  // load balancers look elsewhere
+  maintenance_.Stop();
   sessions_.Stop();
   registry_.Stop();
   server_->Shutdown(absl::ToChronoTime(absl::Now() + deadline));
