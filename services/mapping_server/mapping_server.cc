@@ -51,9 +51,10 @@ MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<Serve
     : options_(options),
       security_(std::move(security)),
       registry_(options),
+      maintenance_(options.limits, &registry_, &sessions_),
       mapping_service_(options, security_->access(), &registry_, &sessions_),
       map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
-                         &sessions_) {}
+                         &sessions_, &maintenance_) {}
 
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
@@ -99,6 +100,7 @@ void MappingServer::Shutdown(absl::Duration deadline) {
   spdlog::info("shutting down");
   metrics_.reset();
   server_->GetHealthCheckService()->Shutdown();  // load balancers look elsewhere
+  maintenance_.Stop();
   sessions_.Stop();
   registry_.Stop();
   server_->Shutdown(absl::ToChronoTime(absl::Now() + deadline));

@@ -85,6 +85,7 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"limits.max_loop_closures_per_map", Into(limits.max_loop_closures_per_map)},
       {"limits.max_blob_bytes", Into(limits.max_blob_bytes)},
       {"limits.max_stored_blob_bytes", Into(limits.max_stored_blob_bytes)},
+      {"limits.max_restore_bytes", Into(limits.max_restore_bytes)},
       {"limits.max_watchers_per_map", Into(limits.max_watchers_per_map)},
       {"limits.max_concurrent_streams", Into(limits.max_concurrent_streams)},
       {"publisher.heartbeat_s", Into(publisher.heartbeat_s)},

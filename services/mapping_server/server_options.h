@@ -30,6 +30,8 @@ struct ServerLimits {
   // One encoded cloud, and all that a map keeps: at 10 kB a keyframe the latter is 100,000 of them.
   int64_t max_blob_bytes = 16 << 20;
   int64_t max_stored_blob_bytes = 1 << 30;
+  // A backup that is to be restored.
+  int64_t max_restore_bytes = int64_t{4} << 30;
   int max_watchers_per_map = 1000;
   // Streams on one connection.
   int max_concurrent_streams = 1000;
