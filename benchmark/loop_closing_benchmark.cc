@@ -22,6 +22,7 @@
 #include "overtone/services/mapping_server/loop_detector.h"
 #include "overtone/services/mapping_server/mapping_pipeline.h"
 #include "overtone/tests/core/mapping/map_test_support.h"
+#include "overtone/tests/services/mapping_server/blob_shelf.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -43,6 +44,7 @@ class Rig {
  public:
   // The map of one robot with so many keyframes.
   explicit Rig(int num_keyframes) {
+    pipeline_.Start(absl::nullopt);
     for (int i = 0; i < num_keyframes; i += kBackgroundSubmap) {
       AddSubmap(first_, std::min(kBackgroundSubmap, num_keyframes - i));
       if (i / kBackgroundSubmap % kSubmapsPerRevision == 0) WaitUntilIdle();
@@ -125,16 +127,16 @@ class Rig {
     pipeline_.AddSubmap(drive.mission, submap);
     detector_.AddSubmap(drive.mission, *submap);
     for (const KeyframeCloud& cloud : clouds) {
-      detector_.AddCloud({drive.mission, cloud.index}, drive.places[cloud.index].blob);
+      detector_.AddCloud({drive.mission, cloud.index}, blobs_.Put(drive.places[cloud.index].blob));
     }
   }
 
-  void OnCandidate(LoopCandidate candidate) {
-    {
+  void OnSearch(SearchResult search) {
+    if (!search.candidates.empty()) {
       absl::MutexLock lock(&mutex_);
       measured_at_ = std::min(measured_at_, absl::Now());
     }
-    pipeline_.AddCandidate(std::move(candidate));
+    pipeline_.AddFinding(std::move(search));
   }
 
   void OnSnapshot(std::shared_ptr<const MapSnapshot> snapshot) {
@@ -181,13 +183,18 @@ class Rig {
   absl::Time published_at_ ABSL_GUARDED_BY(mutex_);
   double closing_solves_s_ ABSL_GUARDED_BY(mutex_) = 0;
   uint64_t closing_revision_ ABSL_GUARDED_BY(mutex_) = 0;
-  MappingPipeline pipeline_{
-      {}, 1, [this](std::shared_ptr<const MapSnapshot> snapshot, const RevisionRecord&) {
-        OnSnapshot(snapshot);
-      }};
-  LoopDetector detector_{{},
-                         {[this](LoopCandidate candidate) { OnCandidate(std::move(candidate)); },
-                          [](const ScoredCandidate&) {}}};
+  BlobShelf blobs_;
+  MappingPipeline pipeline_{{},
+                            {[this](std::shared_ptr<const MapSnapshot> snapshot,
+                                    const RevisionHistory&) { OnSnapshot(snapshot); },
+                             [](const std::string&, const std::function<void(absl::Status)>& done) {
+                               done(absl::OkStatus());
+                             }}};
+  LoopDetector detector_{
+      {},
+      [this](const std::string& sha256) { return blobs_.Get(sha256); },
+      {[this](SearchResult search) { OnSearch(std::move(search)); }, [](const RefinedMotion&) {},
+       [](const LoopCandidate&) {}, [](const ScoredCandidate&) {}}};
 };
 
 // The smallest value that a share of them does not exceed, milliseconds.

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, checks schema and format, builds everything and runs every test. On a bare Debian 12, as root:
+# Installs what is missing, checks schema and format, builds everything and runs every test, then what the sanitizers look
+# at (sanitizers.sh). On a bare Debian 12, as root:
 #   tests/run.sh                 all tests
-#   tests/run.sh -LE data        what follows goes to ctest
+#   tests/run.sh -LE data        what follows goes to ctest; without the sanitizers
 set -eu
 cd "$(dirname "$0")/.."
-docker/install_packages.sh client server test lint
+docker/install_packages.sh client server test lint sanitize
 
 proto/check.sh
 git ls-files '*.cc' '*.h' | xargs clang-format --dry-run --Werror
@@ -15,3 +16,4 @@ jobs=$(awk -v cores="$(nproc)" '/MemAvailable/ { n = int($2 / 1500000); print n 
 cmake --preset dev
 cmake --build --preset dev --parallel "$jobs"
 ctest --test-dir build/dev --output-on-failure --parallel 2 "$@"
+[ $# -gt 0 ] || tests/sanitizers.sh

@@ -108,7 +108,7 @@ void MultiRobotMap::State::InsertCandidate(const LoopCandidate& candidate) {
   record.since_revision = revision + 1;
   same_ends.push_back(position);
   closure_of_id[record.id] = position;
-  decisions.push_back(Decision::kNone);
+  decisions.push_back(ClosureDecision::kNone);
   consistency_row.push_back(-1);
   dirty = true;
 }
@@ -132,15 +132,15 @@ bool MultiRobotMap::State::InPlay(int closure) const {
   }
 }
 
-std::shared_ptr<const MapSnapshot> MultiRobotMap::State::Freeze(const PoseGraphResult& result) {
+std::shared_ptr<const MapSnapshot> MultiRobotMap::State::Freeze() const {
   auto snapshot = std::make_shared<MapSnapshot>();
   snapshot->revision = revision;
   snapshot->map_epoch = map_epoch;
   snapshot->closures = closures;
-  snapshot->initial_cost = result.initial_cost;
-  snapshot->final_cost = result.final_cost;
-  snapshot->converged = result.converged;
-  snapshot->optimisation_s = result.seconds;
+  snapshot->initial_cost = last_result.initial_cost;
+  snapshot->final_cost = last_result.final_cost;
+  snapshot->converged = last_result.converged;
+  snapshot->optimisation_s = last_result.seconds;
   std::map<int, int> number_of_frame;  // world, then oldest mission -> 0, 1, ...
   for (const SnapshotMission& mission : missions) number_of_frame[mission.component];
   int next = 0;
@@ -167,6 +167,15 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::State::Freeze(const PoseGraphR
     snapshot->landmarks.push_back({frame_and_id.second, number_of_frame[frame_and_id.first],
                                    position, sightings_of[frame_and_id]});
   }
+  return snapshot;
+}
+
+std::shared_ptr<const MapSnapshot> MultiRobotMap::State::Publish(const PoseGraphResult& result) {
+  last_result.initial_cost = result.initial_cost;
+  last_result.final_cost = result.final_cost;
+  last_result.converged = result.converged;
+  last_result.seconds = result.seconds;
+  std::shared_ptr<const MapSnapshot> snapshot = Freeze();
   history.Add(snapshot);
   return snapshot;
 }
@@ -232,6 +241,8 @@ absl::Status MultiRobotMap::AddScoredCandidate(const ScoredCandidate& candidate)
 
 bool MultiRobotMap::dirty() const { return state_->dirty; }
 
+uint64_t MultiRobotMap::revision() const { return state_->revision; }
+
 const RevisionHistory& MultiRobotMap::history() const { return state_->history; }
 
 std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
@@ -250,7 +261,7 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
   if (!result.ok()) {
     // Cannot happen with what AddSubmap and AddCandidate let in; if it does, the old estimate
     // stands.
-    return state.Freeze(PoseGraphResult());
+    return state.Publish(PoseGraphResult());
   }
   if (state.Demotes(/*between_missions=*/true, *result, problem)) {
     state.Reconsider(State::Shapes::kPresent, problem, *result);
@@ -260,7 +271,7 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
   }
   state.TakeResult(*result, problem);
   state.SplitFrames();
-  return state.Freeze(*result);
+  return state.Publish(*result);
 }
 
 }  // namespace overtone

@@ -17,6 +17,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "overtone/core/graph/submap.h"
+#include "overtone/core/mapping/map_checkpoint.h"
 #include "overtone/core/mapping/map_snapshot.h"
 #include "overtone/core/mapping/revision_history.h"
 
@@ -109,12 +110,29 @@ class MultiRobotMap {
   // True when something was added or decided since the last Optimise.
   bool dirty() const;
 
+  // Of the last snapshot; 0: none yet.
+  uint64_t revision() const;
+
   const RevisionHistory& history() const;
 
   // Optimises what is there and freezes it under the next revision number (the first is 1). One
   // sparse solve, warm-started from the previous result; with GNC some tens of short ones when a
   // closure contradicts the others.
   std::shared_ptr<const MapSnapshot> Optimise();
+
+  // What has to be kept to have the map again as it is after Optimise.
+  MapCheckpoint Checkpoint() const;
+  // Into a map that got the same submaps, closures, candidates and motions as the one of the
+  // checkpoint, in the same order, and was not optimised. Gives that map's last snapshot.
+  // FailedPrecondition: it is of another map; then nothing is changed.
+  absl::StatusOr<std::shared_ptr<const MapSnapshot>> Restore(const MapCheckpoint& checkpoint);
+
+  MapDecisions Decisions() const;
+  // In place of those made so far; closures that are not there are passed over.
+  void SetDecisions(const MapDecisions& decisions);
+
+  // The next revision comes after this one.
+  void StartAfter(uint64_t revision);
 
  private:
   struct State;

@@ -19,7 +19,7 @@ void MultiRobotMap::State::ActivateClosures() {
       verdict = ClosureVerdict::kVetoedByOperator;
     } else if (!ends_known) {
       verdict = ClosureVerdict::kPending;
-    } else if (decisions[k] == Decision::kForced) {
+    } else if (decisions[k] == ClosureDecision::kForced) {
       verdict = ClosureVerdict::kForcedByOperator;
     } else if (verdict == ClosureVerdict::kPending) {
       verdict = JudgeFigures(record.candidate);

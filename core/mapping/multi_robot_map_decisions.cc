@@ -16,19 +16,19 @@ absl::Status NoSuchClosure(const std::string& id) {
 }  // namespace
 
 void MultiRobotMap::State::Veto(int closure) {
-  const bool forced =
-      decisions[closure] == Decision::kForced || decisions[closure] == Decision::kVetoedAfterForced;
-  decisions[closure] = forced ? Decision::kVetoedAfterForced : Decision::kVetoed;
+  const bool forced = decisions[closure] == ClosureDecision::kForced ||
+                      decisions[closure] == ClosureDecision::kVetoedAfterForced;
+  decisions[closure] = forced ? ClosureDecision::kVetoedAfterForced : ClosureDecision::kVetoed;
 }
 
 bool MultiRobotMap::State::IsVetoed(int closure) const {
-  return decisions[closure] == Decision::kVetoed ||
-         decisions[closure] == Decision::kVetoedAfterForced;
+  return decisions[closure] == ClosureDecision::kVetoed ||
+         decisions[closure] == ClosureDecision::kVetoedAfterForced;
 }
 
 bool MultiRobotMap::State::WouldUse(int closure) const {
   return !IsVetoed(closure) &&
-         (InUse(closures[closure].verdict) || decisions[closure] == Decision::kForced);
+         (InUse(closures[closure].verdict) || decisions[closure] == ClosureDecision::kForced);
 }
 
 absl::Status MultiRobotMap::Veto(const std::string& id) {
@@ -46,7 +46,7 @@ absl::Status MultiRobotMap::Force(const std::string& id) {
     return absl::FailedPreconditionError(
         absl::StrCat("id: \"", id, "\" has no relative pose that could be used"));
   }
-  state_->decisions[found->second] = State::Decision::kForced;
+  state_->decisions[found->second] = ClosureDecision::kForced;
   state_->dirty = true;
   return absl::OkStatus();
 }
@@ -57,10 +57,10 @@ absl::StatusOr<int64_t> MultiRobotMap::RollBack(uint64_t revision, uint64_t new_
   int64_t vetoed = 0;
   for (int k = 0; k < static_cast<int>(state.closures.size()); ++k) {
     const bool used_then = in_use_then.count(state.closures[k].id) > 0;
-    State::Decision& decision = state.decisions[k];
+    ClosureDecision& decision = state.decisions[k];
     if (used_then && state.IsVetoed(k)) {
       decision =
-          decision == State::Decision::kVetoed ? State::Decision::kNone : State::Decision::kForced;
+          decision == ClosureDecision::kVetoed ? ClosureDecision::kNone : ClosureDecision::kForced;
     } else if (!used_then && state.WouldUse(k)) {
       state.Veto(k);
       ++vetoed;

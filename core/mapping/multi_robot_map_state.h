@@ -8,6 +8,7 @@
 //   multi_robot_map_frames.cc       which missions share a frame
 //   multi_robot_map_graph.cc        from missions and measurements to a pose graph
 //   multi_robot_map_solution.cc     from a pose graph to a solution and back
+//   multi_robot_map_checkpoint.cc   what is kept over a restart
 #ifndef OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_STATE_H_
 #define OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_STATE_H_
 
@@ -61,9 +62,6 @@ struct MapProblem {
 struct MultiRobotMap::State {
   static constexpr int kWorld = -1;
 
-  // A roll-back must know which of the vetoed ones were forced before.
-  enum class Decision { kNone, kForced, kVetoed, kVetoedAfterForced };
-
   MultiRobotMapOptions options;
   uint64_t map_epoch = 0;
   uint64_t revision = 0;
@@ -80,7 +78,7 @@ struct MultiRobotMap::State {
   std::map<MissionId, int> position_of;
 
   std::vector<ClosureRecord> closures;
-  std::vector<Decision> decisions;  // of each closure
+  std::vector<ClosureDecision> decisions;  // of each closure
   std::map<std::string, int> closure_of_id;
   std::map<std::pair<NodeId, NodeId>, std::vector<int>> closures_of_ends;
   std::map<std::pair<int, int>, PairwiseConsistency> consistency;  // of two missions
@@ -90,6 +88,7 @@ struct MultiRobotMap::State {
   std::vector<AbsoluteRecord> absolutes;
   std::map<std::pair<int, std::string>, Eigen::Vector3d> landmarks;  // by frame and id
 
+  PoseGraphResult last_result;  // its figures; the estimate is in `missions`
   RevisionHistory history;
 
   // What an operator said.
@@ -180,7 +179,10 @@ struct MultiRobotMap::State {
 
   // After it.
   void SplitFrames();
-  std::shared_ptr<const MapSnapshot> Freeze(const PoseGraphResult& result);
+  std::shared_ptr<const MapSnapshot> Freeze() const;
+  std::shared_ptr<const MapSnapshot> Publish(const PoseGraphResult& result);
+
+  absl::Status CheckFits(const MapCheckpoint& checkpoint) const;
 };
 
 }  // namespace overtone

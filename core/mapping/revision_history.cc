@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 
 namespace overtone {
 namespace {
@@ -68,8 +69,15 @@ RevisionRecord DescribeRevision(const MapSnapshot* before, const MapSnapshot& af
 
 void RevisionHistory::Add(std::shared_ptr<const MapSnapshot> snapshot) {
   records_.push_back(DescribeRevision(newest_.get(), *snapshot));
+  records_.back().made = absl::Now();
   newest_ = std::move(snapshot);
   if (records_.size() > capacity_) records_.pop_front();
+}
+
+void RevisionHistory::Restore(const std::vector<RevisionRecord>& records,
+                              std::shared_ptr<const MapSnapshot> newest) {
+  records_.assign(records.begin(), records.end());
+  newest_ = std::move(newest);
 }
 
 // Backwards from the newest: what a revision took into use was not in use before it.

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "absl/time/time.h"
 #include "overtone/core/mapping/map_snapshot.h"
 
 namespace overtone {
@@ -34,6 +35,7 @@ struct RevisionRecord {
   double mean_move_m = 0;
   double largest_move_m = 0;
   double optimisation_s = 0;
+  absl::Time made = absl::InfinitePast();  // this computer's clock
 };
 
 // `before` may be null: the first.
@@ -46,6 +48,10 @@ class RevisionHistory {
 
   // Revisions increase.
   void Add(std::shared_ptr<const MapSnapshot> snapshot);
+
+  // In place of what is there; `newest` is what the last record led to.
+  void Restore(const std::vector<RevisionRecord>& records,
+               std::shared_ptr<const MapSnapshot> newest);
 
   // Ids of the closures that were in use at a revision. NotFound: not kept, or of another epoch.
   absl::StatusOr<std::set<std::string>> InUseAt(uint64_t revision) const;

@@ -34,6 +34,9 @@ class LoopProposer {
   // the threshold, with a guess of the relative pose. `from` is the earlier place.
   virtual std::vector<LoopCandidate> Propose(const PlaceView& view) = 0;
 
+  // Keeps the view only.
+  virtual void Keep(const PlaceView& view) = 0;
+
   // The most similar other place, above the threshold or not. Absent: the node was never seen, or
   // there is nothing to compare it with.
   virtual std::optional<LoopCandidate> MostSimilar(const NodeId& node) const = 0;

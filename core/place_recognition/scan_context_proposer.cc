@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace overtone {
 namespace {
@@ -46,8 +47,22 @@ LoopCandidate ScanContextProposer::Candidate(const Place& query, const PlaceMatc
   return candidate;
 }
 
+ScanContextProposer::Place ScanContextProposer::PlaceOf(const PlaceView& view) const {
+  return {view.node, view.travelled_m, LevelFromBody(view.mission_from_body)};
+}
+
+void ScanContextProposer::Add(const Place& place, ScanContext context) {
+  place_of_[place.node] = index_.Add(std::move(context));
+  places_.push_back(place);
+}
+
+void ScanContextProposer::Keep(const PlaceView& view) {
+  const Place place = PlaceOf(view);
+  Add(place, ComputeScanContext(*view.cloud, place.level_from_body, options_.context));
+}
+
 std::vector<LoopCandidate> ScanContextProposer::Propose(const PlaceView& view) {
-  const Place query = {view.node, view.travelled_m, LevelFromBody(view.mission_from_body)};
+  const Place query = PlaceOf(view);
   ScanContext context = ComputeScanContext(*view.cloud, query.level_from_body, options_.context);
   const std::vector<PlaceMatch> matches =
       index_.Search(context, kMatchesPerCandidate * options_.max_candidates,
@@ -66,8 +81,7 @@ std::vector<LoopCandidate> ScanContextProposer::Propose(const PlaceView& view) {
     chosen.push_back(match.place);
     candidates.push_back(Candidate(query, match));
   }
-  place_of_[view.node] = index_.Add(std::move(context));
-  places_.push_back(query);
+  Add(query, std::move(context));
   return candidates;
 }
 

@@ -40,6 +40,7 @@ class ScanContextProposer final : public LoopProposer {
       : options_(options), index_(options.context, options.max_comparisons) {}
 
   std::vector<LoopCandidate> Propose(const PlaceView& view) override;
+  void Keep(const PlaceView& view) override;
   std::optional<LoopCandidate> MostSimilar(const NodeId& node) const override;
 
  private:
@@ -49,6 +50,8 @@ class ScanContextProposer final : public LoopProposer {
     Eigen::Quaterniond level_from_body;
   };
 
+  Place PlaceOf(const PlaceView& view) const;
+  void Add(const Place& place, ScanContext context);
   bool MayMatch(const Place& query, const Place& place) const;
   LoopCandidate Candidate(const Place& query, const PlaceMatch& match) const;
 

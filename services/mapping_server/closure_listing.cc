@@ -144,33 +144,8 @@ std::string Explain(const NodeId& node, double radius_m,
       radius_m, ToString(node), here.size(), Name(best), ToString(best.verdict), Reason(best));
 }
 
-void AddIds(const std::vector<std::string>& ids,
-            google::protobuf::RepeatedPtrField<std::string>* out) {
-  for (const std::string& id : ids) {
-    if (out->size() >= kMaxListedIds) return;
-    *out->Add() = id;
-  }
-}
-
-v1::Revision Describe(const HostedMap::PublishedRevision& revision) {
-  const RevisionRecord& record = revision.record;
-  v1::Revision message;
-  message.set_revision(record.revision);
-  message.set_map_epoch(record.map_epoch);
-  *message.mutable_published() = ToProto(revision.time);
-  message.set_missions(record.missions);
-  message.set_anchored_missions(record.anchored_missions);
-  message.set_components(record.components);
-  message.set_keyframes(record.keyframes);
-  *message.mutable_verdicts() = ToProto(record.verdicts);
-  AddIds(record.accepted, message.mutable_accepted());
-  AddIds(record.dropped, message.mutable_dropped());
-  message.set_cost_before(record.cost_before);
-  message.set_cost_after(record.cost_after);
-  message.set_mean_move_m(record.mean_move_m);
-  message.set_largest_move_m(record.largest_move_m);
-  message.set_optimisation_s(record.optimisation_s);
-  return message;
+void Shorten(google::protobuf::RepeatedPtrField<std::string>* ids) {
+  if (ids->size() > kMaxListedIds) ids->DeleteSubrange(kMaxListedIds, ids->size() - kMaxListedIds);
 }
 
 }  // namespace
@@ -236,15 +211,19 @@ absl::StatusOr<v1::ExplainLoopClosuresResponse> ExplainLoopClosures(
 absl::StatusOr<v1::ListRevisionsResponse> ListRevisions(const MapRegistry& registry,
                                                         const v1::ListRevisionsRequest& request) {
   ASSIGN_OR_RETURN(const std::shared_ptr<HostedMap> map, registry.Find(request.map()));
-  const std::vector<HostedMap::PublishedRevision> revisions = map->revisions();
+  const std::vector<RevisionRecord> revisions = map->revisions();
   std::vector<std::string> keys;
-  for (const HostedMap::PublishedRevision& revision : revisions) {
+  for (const RevisionRecord& revision : revisions) {
     // Newest first, and the keys increase.
-    keys.push_back(absl::StrFormat("%020u", ~revision.record.revision));
+    keys.push_back(absl::StrFormat("%020u", ~revision.revision));
   }
   ASSIGN_OR_RETURN(Page page, SelectPage(keys, request.page_size(), request.page_token()));
   v1::ListRevisionsResponse response;
-  for (size_t i = page.begin; i < page.end; ++i) *response.add_revisions() = Describe(revisions[i]);
+  for (size_t i = page.begin; i < page.end; ++i) {
+    v1::Revision& revision = *response.add_revisions() = ToProto(revisions[i]);
+    Shorten(revision.mutable_accepted());
+    Shorten(revision.mutable_dropped());
+  }
   response.set_next_page_token(page.next_page_token);
   return response;
 }

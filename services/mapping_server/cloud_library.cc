@@ -27,12 +27,12 @@ void CloudLibrary::AddSubmap(const MissionId& mission, const Submap& submap) {
   for (const KeyframeCloud& cloud : submap.clouds) entries[cloud.index].expects_cloud = true;
 }
 
-void CloudLibrary::AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
+void CloudLibrary::AddCloud(const NodeId& node, const std::string& sha256) {
   absl::MutexLock lock(&mutex_);
   KeyframeEntry* entry = Find(node);
   if (entry == nullptr) return;
   entry->expects_cloud = true;
-  entry->blob = std::move(blob);
+  entry->sha256 = sha256;
 }
 
 void CloudLibrary::CloudGone(const NodeId& node) {
@@ -57,7 +57,7 @@ const CloudLibrary::KeyframeEntry* CloudLibrary::Find(const NodeId& node) const 
 bool CloudLibrary::HasCloud(const NodeId& node) const {
   absl::MutexLock lock(&mutex_);
   const KeyframeEntry* entry = Find(node);
-  return entry != nullptr && entry->blob != nullptr;
+  return entry != nullptr && !entry->sha256.empty();
 }
 
 bool CloudLibrary::ExpectsCloud(const NodeId& node) const {
@@ -82,7 +82,7 @@ absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const Node
                                                                       PlaceView* view) const {
   absl::MutexLock lock(&mutex_);
   const KeyframeEntry* own = Find(node);
-  if (own == nullptr || own->blob == nullptr) {
+  if (own == nullptr || own->sha256.empty()) {
     return absl::NotFoundError(absl::StrCat(ToString(node), " has no cloud"));
   }
   view->node = node;
@@ -93,7 +93,7 @@ absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const Node
   Rigid3d newest_from_this;
   for (int64_t i = node.index; i >= 0; --i) {
     if (own->travelled_m - entries[i].travelled_m > gather_length_m_) break;
-    if (entries[i].blob != nullptr) parts.push_back({newest_from_this, entries[i].blob});
+    if (!entries[i].sha256.empty()) parts.push_back({newest_from_this, entries[i].sha256});
     newest_from_this = newest_from_this * entries[i].previous_from_this.Inverse();
   }
   return parts;
@@ -102,17 +102,22 @@ absl::StatusOr<std::vector<CloudLibrary::Part>> CloudLibrary::PartsOf(const Node
 absl::StatusOr<PlaceView> CloudLibrary::Scan(const NodeId& node) const {
   PlaceView view;
   ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view));
-  ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*parts.front().blob));
+  ASSIGN_OR_RETURN(PointCloud cloud, Load(parts.front()));
   view.cloud = std::make_shared<const PointCloud>(std::move(cloud));
   view.single_scan = true;
   return view;
+}
+
+absl::StatusOr<PointCloud> CloudLibrary::Load(const Part& part) const {
+  ASSIGN_OR_RETURN(const std::shared_ptr<const std::string> blob, source_(part.sha256));
+  return DecodePointCloud(*blob);
 }
 
 // In the body frame of the first part, the newest keyframe.
 PointCloud CloudLibrary::Gather(const std::vector<Part>& parts) const {
   std::vector<CloudAtPose> keyframes;  // oldest first
   for (auto part = parts.rbegin(); part != parts.rend(); ++part) {
-    absl::StatusOr<PointCloud> cloud = DecodePointCloud(*part->blob);
+    absl::StatusOr<PointCloud> cloud = Load(*part);
     if (!cloud.ok()) continue;
     keyframes.push_back(
         {part->newest_from_this, std::make_shared<const PointCloud>(*std::move(cloud))});
@@ -128,7 +133,7 @@ absl::StatusOr<std::shared_ptr<const PlaceView>> CloudLibrary::View(const NodeId
   }
   PlaceView view;
   ASSIGN_OR_RETURN(const std::vector<Part> parts, PartsOf(node, &view));
-  ASSIGN_OR_RETURN(PointCloud cloud, DecodePointCloud(*parts.front().blob));
+  ASSIGN_OR_RETURN(PointCloud cloud, Load(parts.front()));
   if (parts.size() > 1 && !SeesAllAround(cloud)) cloud = Gather(parts);
   view.cloud = std::make_shared<const PointCloud>(std::move(cloud));
   auto shared = std::make_shared<const PlaceView>(std::move(view));

@@ -3,9 +3,14 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
+#include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/services/mapping_server/checkpoint_codec.h"
 #include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
+#include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
@@ -14,42 +19,129 @@ constexpr size_t kKeptRevisions = 1000;
 
 uint64_t NewEpoch() { return static_cast<uint64_t>(absl::ToUnixMicros(absl::Now())); }
 
-std::shared_ptr<const MapSnapshot> EmptySnapshot() {
-  MapSnapshot snapshot;
-  snapshot.map_epoch = NewEpoch();
-  return std::make_shared<const MapSnapshot>(std::move(snapshot));
+absl::optional<StoredCheckpoint> ReadCheckpoint(const SubmapStore& store, const std::string& map) {
+  const absl::StatusOr<std::string> bytes = store.GetSnapshot();
+  if (!bytes.ok()) return absl::nullopt;
+  absl::StatusOr<StoredCheckpoint> checkpoint = ParseCheckpoint(*bytes);
+  if (checkpoint.ok()) return *std::move(checkpoint);
+  spdlog::error("map {}: its checkpoint cannot be read: {}", map, checkpoint.status().ToString());
+  return absl::nullopt;
 }
 
 }  // namespace
 
-HostedMap::HostedMap(std::string id, const ServerOptions& options)
-    : id_(std::move(id)),
-      published_{EmptySnapshot(), absl::InfinitePast()},
-      publisher_(id_, published_.snapshot->map_epoch, options),
-      pipeline_(
-          options.map, published_.snapshot->map_epoch,
-          [this](std::shared_ptr<const MapSnapshot> snapshot, const RevisionRecord& what_changed) {
-            OnSnapshot(std::move(snapshot), what_changed);
-          }),
-      detector_(options.loop_closures,
-                {[this](LoopCandidate candidate) { pipeline_.AddCandidate(std::move(candidate)); },
-                 [this](const ScoredCandidate& pair) { pipeline_.AddScoredCandidate(pair); },
-                 [this](const MotionMeasurement& motion) { pipeline_.AddMotion(motion); }}) {
+absl::StatusOr<std::unique_ptr<HostedMap>> HostedMap::Open(std::string id, std::string path,
+                                                           const ServerOptions& options,
+                                                           Epoch epoch) {
+  std::unique_ptr<HostedMap> map(new HostedMap(std::move(id), std::move(path), options));
+  RETURN_IF_ERROR(map->Start(epoch));
+  return map;
+}
+
+absl::Status HostedMap::Start(Epoch epoch) {
+  ASSIGN_OR_RETURN(store_, SqliteSubmapStore::Open(path_, options_.limits, StoreSink()));
+  MappingPipeline::Sink sink;
+  sink.publish = [this](std::shared_ptr<const MapSnapshot> snapshot,
+                        const RevisionHistory& history) {
+    OnSnapshot(std::move(snapshot), history);
+  };
+  sink.store = [this](std::string bytes, Done done) {
+    store_->PutSnapshot(std::move(bytes), std::move(done));
+  };
+  pipeline_ = std::make_unique<MappingPipeline>(options_.map, std::move(sink));
+  detector_ = std::make_unique<LoopDetector>(
+      options_.loop_closures, [this](const std::string& sha256) { return store_->GetBlob(sha256); },
+      DetectorSink());
+  RETURN_IF_ERROR(Replay(epoch));
+
+  auto empty = std::make_shared<MapSnapshot>();
+  empty->map_epoch = replayed_.map_epoch;
+  {
+    absl::MutexLock lock(&mutex_);
+    published_ = {empty, absl::InfinitePast()};
+  }
+  publisher_ = std::make_unique<GraphPublisher>(id_, empty->map_epoch, options_);
+  pipeline_->Start(ReadCheckpoint(*store_, id_));
+  detector_->EndReplay();
+  return absl::OkStatus();
+}
+
+absl::Status HostedMap::Replay(Epoch epoch) {
+  detector_->BeginReplay();
+  replaying_ = true;
+  RETURN_IF_ERROR(store_->Replay());
+  if (replayed_.map_epoch == 0 || epoch == Epoch::kNew) {
+    // The epoch is in the log from the beginning, and what operators said stays said.
+    StoreFinding(MapDecisions{NewEpoch(), replayed_.decisions});
+    store_->Drain();
+    if (replayed_.map_epoch == 0) return absl::ResourceExhaustedError("map: nothing can be stored");
+  }
+  replaying_ = false;
+  return absl::OkStatus();
+}
+
+HostedMap::~HostedMap() {
+  if (store_ == nullptr) return;  // never opened
+  store_->Drain();                // calls the detector no more: nobody else appends now
+  detector_.reset();
+  store_->Drain();  // what it found
+  pipeline_.reset();
+}
+
+SubmapStore::Sink HostedMap::StoreSink() {
   SubmapStore::Sink sink;
   sink.on_submap = [this](const MissionId& mission, std::shared_ptr<const Submap> submap) {
-    pipeline_.AddSubmap(mission, submap);
-    detector_.AddSubmap(mission, *submap);
+    pipeline_->AddSubmap(mission, submap);
+    detector_->AddSubmap(mission, *submap);
   };
-  sink.on_loop_closure = [this](const LoopClosure& closure) { pipeline_.AddLoopClosure(closure); };
-  sink.on_finding = [](const std::string&) {};
+  sink.on_loop_closure = [this](const LoopClosure& closure) { pipeline_->AddLoopClosure(closure); };
+  sink.on_finding = [this](const std::string& bytes) { OnFinding(bytes); };
   sink.on_cloud = [this](const MissionId& mission, int64_t index, const std::string& sha256) {
-    absl::StatusOr<SharedBlob> blob = store_->GetBlob(sha256);
-    if (blob.ok()) detector_.AddCloud({mission, index}, *std::move(blob));
+    detector_->AddCloud({mission, index}, sha256);
   };
   sink.on_cloud_gone = [this](const MissionId& mission, int64_t index) {
-    detector_.CloudGone({mission, index});
+    detector_->CloudGone({mission, index});
   };
-  store_ = *SqliteSubmapStore::Open(":memory:", options.limits, std::move(sink));
+  return sink;
+}
+
+LoopDetector::Sink HostedMap::DetectorSink() {
+  const auto store = [this](auto found) { StoreFinding(std::move(found)); };
+  return {store, store, store, store};
+}
+
+void HostedMap::OnFinding(const std::string& bytes) {
+  absl::StatusOr<Finding> finding = ParseFinding(bytes);
+  if (!finding.ok()) {
+    // It keeps its place in the log, of which checkpoints count the entries.
+    spdlog::error("map {}: {}", id_, finding.status().ToString());
+    finding = SearchResult();
+  }
+  if (replaying_) NoteForDetector(*finding);
+  pipeline_->AddFinding(*std::move(finding));
+}
+
+void HostedMap::NoteForDetector(const Finding& finding) {
+  if (const auto* search = std::get_if<SearchResult>(&finding)) {
+    detector_->NoteSearch(search->node);
+  } else if (const auto* motion = std::get_if<RefinedMotion>(&finding)) {
+    detector_->NoteMotion(*motion);
+  } else if (const auto* pair = std::get_if<ScoredCandidate>(&finding)) {
+    detector_->NotePair(pair->from, pair->to);
+  } else if (const auto* candidate = std::get_if<LoopCandidate>(&finding)) {
+    detector_->NotePair(candidate->from, candidate->to);
+  } else if (const auto* decisions = std::get_if<MapDecisions>(&finding)) {
+    replayed_ = *decisions;
+  }
+}
+
+// A finding that cannot be stored is looked for again after a restart, and missing until then.
+void HostedMap::StoreFinding(const Finding& finding) {
+  ++findings_under_way_;
+  store_->AppendFinding(ToRecord(finding), [this](const absl::Status& status) {
+    --findings_under_way_;
+    if (!status.ok()) spdlog::warn("map {}: a finding is lost: {}", id_, status.ToString());
+  });
 }
 
 HostedMap::Published HostedMap::published() const {
@@ -57,23 +149,43 @@ HostedMap::Published HostedMap::published() const {
   return published_;
 }
 
-std::vector<HostedMap::PublishedRevision> HostedMap::revisions() const {
+std::vector<RevisionRecord> HostedMap::revisions() const {
   absl::MutexLock lock(&mutex_);
   return {revisions_.begin(), revisions_.end()};
 }
 
+void HostedMap::Decide(MappingPipeline::Decision decision, Done done) {
+  auto standing = std::make_shared<MapDecisions>();
+  pipeline_->Decide(
+      [decision = std::move(decision), standing](MultiRobotMap& map) {
+        const absl::Status status = decision(map);
+        *standing = map.Decisions();
+        return status;
+      },
+      [this, standing, done = std::move(done)](const absl::Status& status) {
+        if (!status.ok()) return done(status);
+        ++findings_under_way_;
+        store_->AppendFinding(ToRecord(*standing), [this, done](const absl::Status& stored) {
+          --findings_under_way_;
+          if (stored.ok()) return done(stored);
+          done(absl::Status(stored.code(),
+                            absl::StrCat("in effect, but not stored: ", stored.message())));
+        });
+      });
+}
+
 void HostedMap::Veto(const std::string& closure, Done done) {
-  pipeline_.Decide([closure](MultiRobotMap& map) { return map.Veto(closure); }, std::move(done));
+  Decide([closure](MultiRobotMap& map) { return map.Veto(closure); }, std::move(done));
 }
 
 void HostedMap::Force(const std::string& closure, Done done) {
-  pipeline_.Decide([closure](MultiRobotMap& map) { return map.Force(closure); }, std::move(done));
+  Decide([closure](MultiRobotMap& map) { return map.Force(closure); }, std::move(done));
 }
 
 void HostedMap::RollBack(uint64_t revision,
                          std::function<void(const absl::StatusOr<RolledBack>&)> done) {
   auto result = std::make_shared<RolledBack>();
-  pipeline_.Decide(
+  Decide(
       [this, revision, result](MultiRobotMap& map) {
         result->map_epoch = std::max(NewEpoch(), epoch() + 1);
         const absl::StatusOr<int64_t> vetoed = map.RollBack(revision, result->map_epoch);
@@ -90,14 +202,18 @@ void HostedMap::RollBack(uint64_t revision,
 }
 
 void HostedMap::OnSnapshot(std::shared_ptr<const MapSnapshot> snapshot,
-                           const RevisionRecord& what_changed) {
+                           const RevisionHistory& history) {
   {
     absl::MutexLock lock(&mutex_);
-    published_ = {snapshot, absl::Now()};
-    revisions_.push_front({what_changed, published_.time});
+    if (revisions_.empty()) {  // the first, or those from before a restart
+      revisions_.assign(history.records().rbegin(), history.records().rend());
+    } else {
+      revisions_.push_front(history.records().back());
+    }
     if (revisions_.size() > kKeptRevisions) revisions_.pop_back();
+    published_ = {snapshot, revisions_.front().made};
   }
-  publisher_.Publish(std::move(snapshot));
+  publisher_->Publish(std::move(snapshot));
 }
 
 }  // namespace overtone

@@ -3,10 +3,12 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_HOSTED_MAP_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_HOSTED_MAP_H_
 
+#include <atomic>
 #include <deque>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -17,6 +19,7 @@
 #include "overtone/core/mapping/revision_history.h"
 #include "overtone/services/mapping_server/graph_publisher.h"
 #include "overtone/services/mapping_server/loop_detector.h"
+#include "overtone/services/mapping_server/map_log.h"
 #include "overtone/services/mapping_server/mapping_pipeline.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/submap_store.h"
@@ -26,15 +29,22 @@ namespace overtone {
 // Thread-safe. Must not be destroyed on one of its own threads.
 class HostedMap {
  public:
-  HostedMap(std::string id, const ServerOptions& options);
+  // kNew: what readers hold of the map is not to be built upon, as after a mission was deleted.
+  enum class Epoch { kKeep, kNew };
+
+  // With all that its store holds: what was last published is there again when this returns.
+  // `path`: of the store's file, or ":memory:".
+  static absl::StatusOr<std::unique_ptr<HostedMap>> Open(std::string id, std::string path,
+                                                         const ServerOptions& options, Epoch epoch);
+  ~HostedMap();
 
   const std::string& id() const { return id_; }
   // A map that starts empty starts a new epoch, so that readers of an earlier one with the same id
-  // notice: the microseconds since 1970. So does a roll-back.
+  // notice: the microseconds since 1970. So does a roll-back. A restart does not.
   uint64_t epoch() const { return published().snapshot->map_epoch; }
   SubmapStore& store() { return *store_; }
   const SubmapStore& store() const { return *store_; }
-  GraphPublisher& publisher() { return publisher_; }
+  GraphPublisher& publisher() { return *publisher_; }
 
   struct Published {
     std::shared_ptr<const MapSnapshot> snapshot;  // never null; empty, revision 0, before the first
@@ -42,15 +52,11 @@ class HostedMap {
   };
   Published published() const;
 
-  struct PublishedRevision {
-    RevisionRecord record;
-    absl::Time time;
-  };
   // Newest first.
-  std::vector<PublishedRevision> revisions() const;
+  std::vector<RevisionRecord> revisions() const;
 
-  // Operators' decisions; `done` is called when they are taken, on the mapping thread. As
-  // MultiRobotMap's.
+  // Operators' decisions; `done` is called when they are taken and durable, on any thread. As
+  // MultiRobotMap's. ResourceExhausted: taken, but lost with the next restart.
   using Done = std::function<void(const absl::Status&)>;
   void Veto(const std::string& closure, Done done);
   void Force(const std::string& closure, Done done);
@@ -60,23 +66,47 @@ class HostedMap {
   };
   void RollBack(uint64_t revision, std::function<void(const absl::StatusOr<RolledBack>&)> done);
 
-  const LoopDetector& detector() const { return detector_; }
+  const LoopDetector& detector() const { return *detector_; }
   // Clouds, candidates and submaps that the newest revision does not take into account yet. Read it
   // before that revision: then 0 means that the revision holds all.
-  int64_t backlog() const { return detector_.backlog() + pipeline_.backlog(); }
+  int64_t backlog() const {
+    const int64_t to_find = detector_->backlog();
+    const int64_t to_store = findings_under_way_;
+    return to_find + to_store + pipeline_->backlog();
+  }
 
  private:
-  void OnSnapshot(std::shared_ptr<const MapSnapshot> snapshot, const RevisionRecord& what_changed);
+  HostedMap(std::string id, std::string path, const ServerOptions& options)
+      : id_(std::move(id)), path_(std::move(path)), options_(options) {}
+
+  absl::Status Start(Epoch epoch);
+  absl::Status Replay(Epoch epoch);
+  SubmapStore::Sink StoreSink();
+  LoopDetector::Sink DetectorSink();
+  void OnFinding(const std::string& bytes);
+  void NoteForDetector(const Finding& finding);
+  void StoreFinding(const Finding& finding);
+  void OnSnapshot(std::shared_ptr<const MapSnapshot> snapshot, const RevisionHistory& history);
+  // Takes the decision, and makes what then stands durable.
+  void Decide(MappingPipeline::Decision decision, Done done);
 
   const std::string id_;
+  const std::string path_;
+  const ServerOptions options_;
   mutable absl::Mutex mutex_;
   Published published_ ABSL_GUARDED_BY(mutex_);
-  std::deque<PublishedRevision> revisions_ ABSL_GUARDED_BY(mutex_);  // newest first
-  // Each feeds the one above it, and is destroyed before it.
-  GraphPublisher publisher_;
-  MappingPipeline pipeline_;
-  LoopDetector detector_;
+  std::deque<RevisionRecord> revisions_ ABSL_GUARDED_BY(mutex_);  // newest first
+  std::atomic<int64_t> findings_under_way_{0};                    // with the store
+  bool replaying_ = false;                                        // in Start only
+  MapDecisions replayed_;                                         // likewise
+  // From what comes to what goes out:
+  //   robots -> store -> detector -> store -> pipeline -> publisher
+  // The log is written first: what is in the map is on disk. The store is closed after the pipeline
+  // has put its last checkpoint there, and no one answers its calls before all is gone.
   std::unique_ptr<SubmapStore> store_;
+  std::unique_ptr<GraphPublisher> publisher_;
+  std::unique_ptr<MappingPipeline> pipeline_;
+  std::unique_ptr<LoopDetector> detector_;
 };
 
 }  // namespace overtone

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/loop_detector.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "overtone/core/common/status_macros.h"
@@ -42,11 +43,17 @@ absl::Status LoopDetectorOptions::Validate() const {
   return verifier.Validate();
 }
 
-LoopDetector::LoopDetector(const LoopDetectorOptions& options, Sink sink)
+struct LoopDetector::Search {
+  SearchResult result;
+  size_t open = 0;  // candidates
+};
+
+LoopDetector::LoopDetector(const LoopDetectorOptions& options, CloudLibrary::BlobSource source,
+                           Sink sink)
     : options_(options),
       sink_(std::move(sink)),
       verifier_(std::make_unique<CloudVerifier>(options.verifier, options.max_views)),
-      library_(options.gather_length_m, options.max_views),
+      library_(options.gather_length_m, options.max_views, std::move(source)),
       proposer_(std::make_unique<ScanContextProposer>(options.proposer)),
       pool_(options.enabled ? options.num_threads : 0),
       describer_(options.enabled ? 1 : 0) {}
@@ -61,10 +68,56 @@ void LoopDetector::AddSubmap(const MissionId& mission, const Submap& submap) {
   SortWaiting();
 }
 
-void LoopDetector::AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
+void LoopDetector::AddCloud(const NodeId& node, const std::string& sha256) {
   if (!options_.enabled) return;
-  library_.AddCloud(node, std::move(blob));
-  describer_.Post([this, node] { Describe(node); });
+  library_.AddCloud(node, sha256);
+  PostDescribe(node);
+  SortWaiting();
+}
+
+void LoopDetector::PostDescribe(const NodeId& node) {
+  absl::MutexLock lock(&mutex_);
+  if (replaying_) {
+    replayed_clouds_.push_back(node);
+  } else {
+    describer_.Post([this, node] { Describe(node); });
+  }
+}
+
+void LoopDetector::BeginReplay() {
+  absl::MutexLock lock(&mutex_);
+  replaying_ = true;
+}
+
+void LoopDetector::NoteSearch(const NodeId& node) {
+  absl::MutexLock lock(&mutex_);
+  searched_.insert(node);
+}
+
+void LoopDetector::NoteMotion(const RefinedMotion& motion) {
+  const NodeId& node = motion.measurement.to;
+  if (motion.determined) library_.SetMotionInto(node, motion.measurement.previous_from_this);
+  absl::MutexLock lock(&mutex_);
+  refined_.insert(node);
+}
+
+void LoopDetector::NotePair(const NodeId& from, const NodeId& to) {
+  absl::MutexLock lock(&mutex_);
+  const auto pair =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const ScoredCandidate& candidate) {
+        return candidate.from == from && candidate.to == to;
+      });
+  if (pair != waiting_.end()) waiting_.erase(pair);
+}
+
+void LoopDetector::EndReplay() {
+  std::vector<NodeId> clouds;
+  {
+    absl::MutexLock lock(&mutex_);
+    replaying_ = false;
+    clouds.swap(replayed_clouds_);
+  }
+  for (const NodeId& node : clouds) PostDescribe(node);
   SortWaiting();
 }
 
@@ -98,14 +151,22 @@ absl::Status LoopDetector::RefineMotion(const NodeId& node) {
       LogSO3(error.rotation).norm() > kMaxRefinementRad) {
     return absl::OkStatus();
   }
-  if (!IsWeak(motion)) library_.SetMotionInto(node, motion.from_tform_to);
+  const bool determined = !IsWeak(motion);
+  if (determined) library_.SetMotionInto(node, motion.from_tform_to);
   // One scan errs as the one before it did: they are not independent.
-  sink_.on_motion({node, motion.from_tform_to, kSerialCorrelation * motion.covariance});
+  sink_.on_motion(
+      {{node, motion.from_tform_to, kSerialCorrelation * motion.covariance}, determined});
   return absl::OkStatus();
 }
 
 void LoopDetector::Describe(const NodeId& node) {
-  if (options_.refine_planar_motion) {
+  bool searched = false, refined = false;
+  {
+    absl::MutexLock lock(&mutex_);
+    searched = searched_.contains(node);
+    refined = searched || refined_.contains(node);
+  }
+  if (options_.refine_planar_motion && !refined) {
     const absl::Status status = RefineMotion(node);
     if (!status.ok()) {
       spdlog::debug("motion into {} not refined: {}", ToString(node), status.ToString());
@@ -116,17 +177,23 @@ void LoopDetector::Describe(const NodeId& node) {
     spdlog::warn("no loops at {}: {}", ToString(node), view.status().ToString());
     return;
   }
+  auto search = std::make_shared<Search>();
+  search->result.node = node;
   std::vector<LoopCandidate> candidates;
   {
     absl::MutexLock lock(&mutex_);
+    if (searched) return proposer_->Keep(**view);
     candidates = proposer_->Propose(**view);
+    search->open = candidates.size();
   }
+  if (candidates.empty()) return sink_.on_search(std::move(search->result));
   for (LoopCandidate& candidate : candidates) {
-    pool_.Post([this, candidate = std::move(candidate)] { Verify(candidate); });
+    pool_.Post(
+        [this, search, candidate = std::move(candidate)] { VerifyOfSearch(*search, candidate); });
   }
 }
 
-void LoopDetector::Verify(LoopCandidate candidate) {
+absl::Status LoopDetector::Verify(LoopCandidate& candidate) {
   const auto from = library_.View(candidate.from);
   const auto to = library_.View(candidate.to);
   absl::Status status = from.ok() ? to.status() : from.status();
@@ -134,23 +201,38 @@ void LoopDetector::Verify(LoopCandidate candidate) {
   if (!status.ok()) {
     spdlog::warn("{} and {} cannot be compared: {}", ToString(candidate.from),
                  ToString(candidate.to), status.ToString());
-    // The robot's own word stands where the clouds say nothing.
-    if (candidate.proposer == LoopEvidence::kRobotScore) {
-      sink_.on_scored_pair({candidate.from, candidate.to, candidate.score});
-    }
-    return;
   }
-  sink_.on_candidate(std::move(candidate));
+  return status;
+}
+
+void LoopDetector::VerifyOfSearch(Search& search, LoopCandidate candidate) {
+  const bool verified = Verify(candidate).ok();
+  {
+    absl::MutexLock lock(&mutex_);
+    if (verified) search.result.candidates.push_back(std::move(candidate));
+    if (--search.open > 0) return;
+  }
+  sink_.on_search(std::move(search.result));
+}
+
+void LoopDetector::VerifyPair(LoopCandidate candidate) {
+  if (Verify(candidate).ok()) {
+    sink_.on_measured_pair(std::move(candidate));
+  } else {
+    // The robot's own word stands where the clouds say nothing.
+    sink_.on_scored_pair({candidate.from, candidate.to, candidate.score});
+  }
 }
 
 void LoopDetector::SortWaiting() {
   std::vector<ScoredCandidate> without_clouds;
   {
     absl::MutexLock lock(&mutex_);
+    if (replaying_) return;
     std::vector<ScoredCandidate> waiting;
     for (const ScoredCandidate& pair : waiting_) {
       if (library_.HasCloud(pair.from) && library_.HasCloud(pair.to)) {
-        pool_.Post([this, candidate = CandidateOf(pair)] { Verify(candidate); });
+        pool_.Post([this, candidate = CandidateOf(pair)] { VerifyPair(candidate); });
       } else if (library_.ExpectsCloud(pair.from) && library_.ExpectsCloud(pair.to)) {
         waiting.push_back(pair);
       } else {

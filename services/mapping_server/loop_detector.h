@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
+#include "absl/container/flat_hash_set.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "overtone/core/graph/submap.h"
@@ -44,24 +45,44 @@ struct LoopDetectorOptions {
   absl::Status Validate() const;
 };
 
+// The places that look like a keyframe, looked at closer.
+struct SearchResult {
+  NodeId node;
+  std::vector<LoopCandidate> candidates;
+};
+
+// A motion between two keyframes, measured by their clouds.
+struct RefinedMotion {
+  MotionMeasurement measurement;
+  bool determined = false;  // in all directions
+};
+
 // Thread-safe.
 class LoopDetector {
  public:
   struct Sink {
-    std::function<void(LoopCandidate)> on_candidate;      // looked at closer
+    std::function<void(SearchResult)> on_search;          // once for each cloud
+    std::function<void(RefinedMotion)> on_motion;         // before on_search of its keyframe
+    std::function<void(LoopCandidate)> on_measured_pair;  // of a robot's scored ones
     std::function<void(ScoredCandidate)> on_scored_pair;  // that has no clouds to look at
-    // The motion between two keyframes, by their clouds.
-    std::function<void(MotionMeasurement)> on_motion;
   };
 
-  // The sink is called from its threads, from AddSubmap and from CloudGone.
-  LoopDetector(const LoopDetectorOptions& options, Sink sink);
+  // The sink is called from its threads, from AddSubmap, CloudGone and EndReplay.
+  LoopDetector(const LoopDetectorOptions& options, CloudLibrary::BlobSource source, Sink sink);
 
   // In the order in which the map gets them; clouds after their submap.
   void AddSubmap(const MissionId& mission, const Submap& submap);
-  void AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob);
+  void AddCloud(const NodeId& node, const std::string& sha256);
   // An announced cloud will not come: scored pairs that waited for it go on without.
   void CloudGone(const NodeId& node);
+
+  // After a restart what was there before comes first: what was found then (Note...) is not looked
+  // for again, and until EndReplay nothing is looked for at all.
+  void BeginReplay();
+  void NoteSearch(const NodeId& node);
+  void NoteMotion(const RefinedMotion& motion);
+  void NotePair(const NodeId& from, const NodeId& to);
+  void EndReplay();
 
   // Clouds and candidates that are still to be looked at.
   int64_t backlog() const {
@@ -73,9 +94,15 @@ class LoopDetector {
   std::optional<LoopCandidate> MostSimilar(const NodeId& node) const;
 
  private:
+  // A search whose candidates are still being looked at.
+  struct Search;
+
+  void PostDescribe(const NodeId& node);
   void Describe(const NodeId& node);
   absl::Status RefineMotion(const NodeId& node);
-  void Verify(LoopCandidate candidate);
+  absl::Status Verify(LoopCandidate& candidate);
+  void VerifyOfSearch(Search& search, LoopCandidate candidate);
+  void VerifyPair(LoopCandidate candidate);
   // Sends scored pairs on their way: whose clouds are there, to the verifier; one of whose clouds
   // will not come, as they are. The others wait.
   void SortWaiting();
@@ -87,6 +114,10 @@ class LoopDetector {
   mutable absl::Mutex mutex_;
   const std::unique_ptr<LoopProposer> proposer_ ABSL_PT_GUARDED_BY(mutex_);
   std::vector<ScoredCandidate> waiting_ ABSL_GUARDED_BY(mutex_);
+  bool replaying_ ABSL_GUARDED_BY(mutex_) = false;
+  std::vector<NodeId> replayed_clouds_ ABSL_GUARDED_BY(mutex_);
+  absl::flat_hash_set<NodeId> searched_ ABSL_GUARDED_BY(mutex_);  // before the restart
+  absl::flat_hash_set<NodeId> refined_ ABSL_GUARDED_BY(mutex_);   // likewise
   WorkerPool pool_;       // verifies; its tasks use everything above
   WorkerPool describer_;  // one thread: clouds are described in the order in which they come
 };

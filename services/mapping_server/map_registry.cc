@@ -6,42 +6,110 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/common/status_macros.h"
+#include "spdlog/spdlog.h"
 
 namespace overtone {
 
 MapRegistry::MapRegistry(const ServerOptions& options)
-    : options_(options), disposal_(std::make_unique<DisposalThread>()) {}
+    : options_(options), directory_(options.data_dir), closer_(1) {}
+
+MapRegistry::~MapRegistry() {
+  Stop();
+  {
+    absl::MutexLock lock(&mutex_);
+    maps_.clear();
+  }
+  absl::MutexLock lock(&mutex_);
+  mutex_.Await(absl::Condition(&open_, &std::multiset<std::string>::empty));
+}
+
+absl::Status MapRegistry::Open() {
+  RETURN_IF_ERROR(directory_.Open());
+  for (const std::string& id : directory_.Maps()) {
+    auto map = OpenMap(id, HostedMap::Epoch::kKeep);
+    if (!map.ok()) {
+      spdlog::error("map {} cannot be served: {}", id, map.status().ToString());
+    } else if ((*map)->store().Missions().empty()) {
+      continue;  // somebody once waited for it
+    } else {
+      Keep(*map);
+    }
+  }
+  return absl::OkStatus();
+}
+
+std::shared_ptr<HostedMap> MapRegistry::Share(std::unique_ptr<HostedMap> map) {
+  {
+    absl::MutexLock lock(&mutex_);
+    open_.insert(map->id());
+  }
+  return std::shared_ptr<HostedMap>(map.release(), [this](HostedMap* ended) {
+    closer_.Post([this, ended] {
+      const std::string id = ended->id();
+      const bool empty = ended->store().Missions().empty();
+      delete ended;
+      if (empty) directory_.RemoveEmpty(id);
+      absl::MutexLock lock(&mutex_);
+      open_.erase(open_.find(id));
+    });
+  });
+}
+
+absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::OpenMap(const std::string& id,
+                                                                HostedMap::Epoch epoch) {
+  ASSIGN_OR_RETURN(const std::string path, directory_.Prepare(id));
+  ASSIGN_OR_RETURN(std::unique_ptr<HostedMap> map, HostedMap::Open(id, path, options_, epoch));
+  return Share(std::move(map));
+}
+
+absl::Status MapRegistry::CheckAvailable(const std::string& id) const {
+  if (stopping_) return absl::UnavailableError("the server is shutting down");
+  if (rebuilding_.count(id) == 0) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("map: '", id, "' is being changed; try again"));
+}
 
 absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Find(const std::string& id) const {
   RETURN_IF_ERROR(ValidateId(id, "map"));
   absl::MutexLock lock(&mutex_);
   const auto it = maps_.find(id);
   if (it != maps_.end()) return it->second;
+  if (rebuilding_.count(id) > 0) RETURN_IF_ERROR(CheckAvailable(id));
   return absl::NotFoundError(absl::StrCat("map: there is no '", id, "'"));
 }
 
 absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Acquire(const std::string& id) {
   RETURN_IF_ERROR(ValidateId(id, "map"));
+  {
+    absl::MutexLock lock(&mutex_);
+    // Who comes while it is opened, or closed by those who waited for it before, waits for that.
+    const auto settled = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+      const auto waiting = waiting_.find(id);
+      const bool held =
+          maps_.count(id) > 0 || (waiting != waiting_.end() && !waiting->second.expired());
+      return stopping_ || rebuilding_.count(id) > 0 || held ||
+             (opening_.count(id) == 0 && open_.count(id) == 0);
+    };
+    mutex_.Await(absl::Condition(&settled));
+    RETURN_IF_ERROR(CheckAvailable(id));
+    const auto kept = maps_.find(id);
+    if (kept != maps_.end()) return kept->second;
+    for (auto it = waiting_.begin(); it != waiting_.end();) {
+      it = it->second.expired() ? waiting_.erase(it) : std::next(it);
+    }
+    const auto waiting = waiting_.find(id);
+    if (waiting != waiting_.end()) {
+      if (std::shared_ptr<HostedMap> map = waiting->second.lock()) return map;
+    }
+    if (maps_.size() + waiting_.size() >= static_cast<size_t>(options_.limits.max_maps)) {
+      return absl::ResourceExhaustedError(
+          absl::StrCat("map: the server has ", options_.limits.max_maps, " already, its limit"));
+    }
+    opening_.insert(id);
+  }
+  absl::StatusOr<std::shared_ptr<HostedMap>> map = OpenMap(id, HostedMap::Epoch::kKeep);
   absl::MutexLock lock(&mutex_);
-  if (stopping_) return absl::UnavailableError("the server is shutting down");
-  const auto kept = maps_.find(id);
-  if (kept != maps_.end()) return kept->second;
-  for (auto it = waiting_.begin(); it != waiting_.end();) {
-    it = it->second.expired() ? waiting_.erase(it) : std::next(it);
-  }
-  std::weak_ptr<HostedMap>& waiting = waiting_[id];
-  if (std::shared_ptr<HostedMap> map = waiting.lock()) return map;
-  if (maps_.size() + waiting_.size() > static_cast<size_t>(options_.limits.max_maps)) {
-    waiting_.erase(id);
-    return absl::ResourceExhaustedError(
-        absl::StrCat("map: the server has ", options_.limits.max_maps, " already, its limit"));
-  }
-  // The last to let go of a map that never was kept may be its store's own thread.
-  std::shared_ptr<HostedMap> map(new HostedMap(id, options_),
-                                 [dispose = disposal_->disposer()](HostedMap* gone) {
-                                   dispose([gone] { delete gone; });
-                                 });
-  waiting = map;
+  opening_.erase(id);
+  if (map.ok()) waiting_[id] = *map;
   return map;
 }
 
@@ -56,6 +124,51 @@ std::vector<std::shared_ptr<HostedMap>> MapRegistry::List() const {
   std::vector<std::shared_ptr<HostedMap>> maps;
   for (const auto& [id, map] : maps_) maps.push_back(map);
   return maps;
+}
+
+void MapRegistry::AwaitClosed(const std::string& id) {
+  absl::MutexLock lock(&mutex_);
+  const auto closed = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return open_.count(id) == 0; };
+  mutex_.Await(absl::Condition(&closed));
+}
+
+absl::Status MapRegistry::Rebuild(
+    const std::string& id, Existing existing, UploadSessions* sessions,
+    const std::function<absl::Status(const std::string& path)>& change) {
+  RETURN_IF_ERROR(ValidateId(id, "map"));
+  std::shared_ptr<HostedMap> map;
+  {
+    absl::MutexLock lock(&mutex_);
+    RETURN_IF_ERROR(CheckAvailable(id));
+    const auto found = maps_.find(id);
+    if (found == maps_.end() && existing == Existing::kChange) {
+      return absl::NotFoundError(absl::StrCat("map: there is no '", id, "'"));
+    }
+    if (found != maps_.end() && existing == Existing::kCreate) {
+      return absl::AlreadyExistsError(absl::StrCat("map: there is a '", id, "' already"));
+    }
+    if (found != maps_.end()) {
+      map = std::move(found->second);
+      maps_.erase(found);
+    } else if (waiting_.count(id) > 0) {
+      map = waiting_[id].lock();
+    }
+    rebuilding_.insert(id);
+  }
+  sessions->End(id, absl::UnavailableError("the map is being changed; try again"));
+  if (map != nullptr) map->publisher().Stop();
+  map.reset();
+  AwaitClosed(id);
+  absl::StatusOr<std::string> path = directory_.Prepare(id);
+  absl::Status status = path.ok() ? change(*path) : path.status();
+  if (directory_.Has(id)) {
+    const auto reopened = OpenMap(id, HostedMap::Epoch::kNew);
+    if (reopened.ok() && !(*reopened)->store().Missions().empty()) Keep(*reopened);
+    status.Update(reopened.status());
+  }
+  absl::MutexLock lock(&mutex_);
+  rebuilding_.erase(id);
+  return status;
 }
 
 void MapRegistry::Stop() {

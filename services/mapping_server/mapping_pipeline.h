@@ -13,31 +13,43 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "absl/types/optional.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/mapping/map_snapshot.h"
 #include "overtone/core/mapping/multi_robot_map.h"
 #include "overtone/core/mapping/revision_history.h"
+#include "overtone/services/mapping_server/checkpoint_codec.h"
+#include "overtone/services/mapping_server/map_log.h"
 
 namespace overtone {
 
-// Thread-safe. The destructor waits for the optimisation under way; what waits behind it is
-// dropped.
+// Thread-safe. The destructor waits for the optimisation under way and stores a last checkpoint;
+// what waits behind it is dropped: it is in the log.
 class MappingPipeline {
  public:
-  using Publish =
-      std::function<void(std::shared_ptr<const MapSnapshot>, const RevisionRecord& what_changed)>;
+  struct Sink {
+    // Every new revision, on the mapping thread; from Start on the caller's, when the map comes
+    // back.
+    std::function<void(std::shared_ptr<const MapSnapshot>, const RevisionHistory&)> publish;
+    // Keeps a checkpoint; `done` says whether it is durable.
+    std::function<void(std::string bytes, std::function<void(absl::Status)> done)> store;
+  };
 
-  // `publish` is called on the mapping thread with every new revision. `options` must be valid.
-  MappingPipeline(const MultiRobotMapOptions& options, uint64_t map_epoch, Publish publish);
+  // `options` must be valid. Nothing moves before Start. The map's epoch comes with the first
+  // MapDecisions.
+  MappingPipeline(const MultiRobotMapOptions& options, Sink sink);
   ~MappingPipeline();
 
-  // In the order in which they are to be added. Neither blocks on the optimisation.
+  // What was added up to now is the stored log, `checkpoint` what is kept beside it: the map is
+  // published again as it was, and then goes on. One that does not fit is passed over.
+  void Start(const absl::optional<StoredCheckpoint>& checkpoint);
+
+  // The entries of the map's log, in its order. None blocks on the optimisation.
   void AddSubmap(const MissionId& mission, std::shared_ptr<const Submap> submap);
   void AddLoopClosure(const LoopClosure& closure);
-  void AddCandidate(LoopCandidate candidate);
-  void AddScoredCandidate(const ScoredCandidate& candidate);
-  void AddMotion(const MotionMeasurement& motion);
+  // Decisions are in effect already, but for those of the stored log.
+  void AddFinding(Finding finding);
 
   // An operator's decision, taken on the mapping thread between two optimisations; `done` is called
   // there with its result. Unavailable: the server is shutting down.
@@ -50,24 +62,41 @@ class MappingPipeline {
  private:
   struct Work {
     Decision apply;
-    std::function<void(const absl::Status&)> done;  // null: a refusal is a defect of ours
+    std::function<void(const absl::Status&)> done;  // null: an entry of the log
   };
 
   void Enqueue(Decision apply);
   void Run();
   // Waits for work and takes all of it, not more often than every kMinInterval: what comes close
-  // together goes into one revision. Empty: the end.
+  // together goes into one revision. Empty: nothing came before a checkpoint was due, or the end.
   std::vector<Work> TakeWork();
+  bool Stopping() const;
+  void Apply(const Work& work);
   void Iterate(const std::vector<Work>& work);
+  bool Restore(StoredCheckpoint checkpoint);
+  // Revisions up to `reserved_through` are given away with it.
+  void StoreCheckpoint(uint64_t reserved_through);
+  void StoreCheckpointAndWait(uint64_t reserved_through);
+  bool IsStored(uint64_t reserved_through) const;
+  void StoreCheckpointWhenDue();
 
-  const Publish publish_;
-  MultiRobotMap map_;  // the mapping thread's own
+  const Sink sink_;
+  // The mapping thread's own, and before it starts the caller's of Start.
+  MultiRobotMap map_;
+  int64_t entries_ = 0;           // of the log, that the map has
+  uint64_t stored_revision_ = 0;  // of the last checkpoint that was given to the store
+  int64_t stored_entries_ = 0;    // likewise
+  absl::Time checkpoint_due_ = absl::InfinitePast();
+
   mutable absl::Mutex mutex_;
   std::vector<Work> work_ ABSL_GUARDED_BY(mutex_);
   int64_t in_hand_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool started_ ABSL_GUARDED_BY(mutex_) = false;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   absl::Time last_work_ ABSL_GUARDED_BY(mutex_) = absl::InfinitePast();
-  std::thread thread_;  // last: starts when all else is there
+  int checkpoints_under_way_ ABSL_GUARDED_BY(mutex_) = 0;
+  uint64_t reserved_through_ ABSL_GUARDED_BY(mutex_) = 0;  // durably
+  std::thread thread_;
 };
 
 }  // namespace overtone

@@ -56,6 +56,7 @@ Key Into(T& option) {
 
 // The one list of keys.
 std::map<std::string, Key> Keys(ServerOptions& options) {
+  SecurityOptions& security = options.security;
   ServerLimits& limits = options.limits;
   PublisherOptions& publisher = options.publisher;
   GraphMonitorOptions& graph = options.graph;
@@ -63,11 +64,19 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
   LoopDetectorOptions& loops = options.loop_closures;
   return {
       {"listen", Into(options.listen)},
+      {"data_dir", Into(options.data_dir)},
       {"metrics_listen", Into(options.metrics_listen)},
       {"log_level", Into(options.log_level)},
       {"reflection", Into(options.reflection)},
       {"keepalive_s", Into(options.keepalive_s)},
       {"shutdown_s", Into(options.shutdown_s)},
+      {"tls.ca_file", Into(security.files.ca_file)},
+      {"tls.certificate_file", Into(security.files.certificate_file)},
+      {"tls.key_file", Into(security.files.key_file)},
+      {"tls.accept_dns_names", Into(security.accept_dns_names)},
+      {"tls.reload_s", Into(security.reload_s)},
+      {"access_file", Into(security.access_file)},
+      {"insecure", Into(security.insecure)},
       {"limits.max_message_bytes", Into(limits.max_message_bytes)},
       {"limits.upload_window_bytes", Into(limits.upload_window_bytes)},
       {"limits.max_maps", Into(limits.max_maps)},

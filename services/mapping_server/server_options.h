@@ -13,6 +13,7 @@
 #include "overtone/proto/conversion/graph_columns.h"
 #include "overtone/proto/conversion/published_graph.h"
 #include "overtone/services/mapping_server/loop_detector.h"
+#include "overtone/services/mapping_server/security/security_options.h"
 
 namespace overtone {
 
@@ -50,8 +51,10 @@ struct PublisherOptions {
 };
 
 struct ServerOptions {
-  // host:port; port 0 takes a free one. Only this host by default: there is no authentication yet.
+  // host:port; port 0 takes a free one. Only this host by default: others need certificates.
   std::string listen = "localhost:7077";
+  // Where maps are kept over restarts; ":memory:" keeps them as long as the process.
+  std::string data_dir = "overtone-data";
   // host:port of http://.../metrics for Prometheus; empty: none.
   std::string metrics_listen;
   // trace, debug, info, warning, error, critical, off. To stderr.
@@ -63,6 +66,7 @@ struct ServerOptions {
   // What streams and calls get to finish in on SIGTERM.
   double shutdown_s = 3.0;
 
+  SecurityOptions security;
   ServerLimits limits;
   PublisherOptions publisher;
   GraphMonitorOptions graph;

@@ -123,7 +123,7 @@ class SubmapStore {
   virtual void AppendLoopClosures(std::vector<LoopClosureRecord> records,
                                   std::function<void(absl::StatusOr<int>)> done) = 0;
 
-  // `done` as in Append.
+  // Stored in the order of these calls. `done` as in Append.
   virtual void AppendFinding(FindingRecord record, std::function<void(absl::Status)> done) = 0;
 
   // Stores a blob that a stored submap refers to; all missions share it. The caller has checked the
@@ -161,6 +161,9 @@ class SubmapStore {
   virtual StoreReport Verify() const = 0;
   // A consistent copy as a new file, while the store goes on. AlreadyExists: the file is there.
   virtual absl::Status Backup(const std::string& path) const = 0;
+
+  // Waits until all that was given to it so far is done: sinks and `done`s called.
+  virtual void Drain() = 0;
 
   // A mission that is not there expects sequence 0.
   virtual UploadState State(const MissionId& mission) const = 0;

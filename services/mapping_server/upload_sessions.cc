@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/upload_sessions.h"
 
+#include <vector>
+
 namespace overtone {
 
 absl::Status UploadSessions::Open(const std::string& map, const MissionId& mission,
@@ -22,6 +24,19 @@ void UploadSessions::Close(const std::string& map, const MissionId& mission,
   absl::MutexLock lock(&mutex_);
   const auto it = streams_.find({map, mission});
   if (it != streams_.end() && it->second.get() == stream) streams_.erase(it);
+}
+
+void UploadSessions::End(const std::string& map, const absl::Status& status) {
+  std::vector<std::shared_ptr<UploadStream>> ending;
+  {
+    absl::MutexLock lock(&mutex_);
+    for (auto it = streams_.lower_bound({map, MissionId{}});
+         it != streams_.end() && it->first.first == map;) {
+      ending.push_back(std::move(it->second));
+      it = streams_.erase(it);
+    }
+  }
+  for (const std::shared_ptr<UploadStream>& stream : ending) stream->End(status);
 }
 
 bool UploadSessions::IsOpen(const std::string& map, const std::string& robot) const {

@@ -31,6 +31,9 @@ class UploadSessions {
   // Nothing happens when a newer stream took its place.
   void Close(const std::string& map, const MissionId& mission, const UploadStream* stream);
 
+  // Ends all of the map's.
+  void End(const std::string& map, const absl::Status& status);
+
   bool IsOpen(const std::string& map, const std::string& robot) const;
 
   // Ends all with UNAVAILABLE and opens no others.

@@ -5,16 +5,17 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/limits.h"
 #include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/proto_time.h"
 #include "overtone/services/mapping_server/submap_digest.h"
 
 namespace overtone {
-namespace {
 
 absl::StatusOr<std::vector<LoopClosureRecord>> CheckClosures(
     const v1::AddLoopClosuresRequest& request) {
@@ -34,8 +35,6 @@ absl::StatusOr<std::vector<LoopClosureRecord>> CheckClosures(
   return records;
 }
 
-}  // namespace
-
 absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& options) {
   v1::GetServerInfoResponse response;
   response.set_version(OVERTONE_VERSION);
@@ -52,6 +51,7 @@ absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& option
   for (const char* feature : {"compact", "delta", "kron_reduction", "clouds", "landmarks"}) {
     response.add_features(feature);
   }
+  *response.mutable_server_time() = ToProto(absl::Now());
   return response;
 }
 
@@ -60,6 +60,7 @@ absl::StatusOr<v1::GetUploadStateResponse> GetUploadState(
   RETURN_IF_ERROR(ValidateId(request.map(), "map"));
   ASSIGN_OR_RETURN(const MissionId mission, AtField("mission", FromProto(request.mission())));
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry.Find(request.map());
+  if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
   const UploadState state = map.ok() ? (*map)->store().State(mission) : UploadState();
   v1::GetUploadStateResponse response;
   response.set_next_sequence(state.next_sequence);

@@ -24,18 +24,19 @@ constexpr size_t kMaxAnswers = 64;
 
 }  // namespace
 
-UploadReactor* UploadSubmaps::Start(MapRegistry* registry, UploadSessions* sessions,
-                                    const ServerLimits& limits) {
-  auto reactor = std::make_shared<UploadSubmaps>(registry, sessions, limits);
+UploadReactor* UploadSubmaps::Start(StreamAccess access, MapRegistry* registry,
+                                    UploadSessions* sessions, const ServerLimits& limits) {
+  auto reactor = std::make_shared<UploadSubmaps>(std::move(access), registry, sessions, limits);
   reactor->self_ = reactor;
   absl::MutexLock lock(&reactor->mutex_);
   reactor->Advance();
   return reactor.get();
 }
 
-UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions,
+UploadSubmaps::UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
                              const ServerLimits& limits)
-    : registry_(registry),
+    : access_(std::move(access)),
+      registry_(registry),
       sessions_(sessions),
       window_bytes_(limits.upload_window_bytes),
       assembly_(limits.max_blob_bytes) {}
@@ -75,11 +76,15 @@ absl::Status UploadSubmaps::OnFrame() {
 
 absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   if (!map_id_.empty()) return InvalidField("header", "only the first message may be one");
+  RETURN_IF_ERROR(access_.MayWrite(header.map(), header.mission().robot(), "header.",
+                                   weak_from_this()));
   RETURN_IF_ERROR(ValidateId(header.map(), "header.map"));
   ASSIGN_OR_RETURN(MissionId mission, AtField("header.mission", FromProto(header.mission())));
   map_id_ = header.map();
   mission_ = std::move(mission);
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry_->Find(map_id_);
+  // A map that is only out of reach has sequences already.
+  if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
   if (map.ok()) map_ = *map;
   RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
   const int64_t next_sequence = NextSequence();
@@ -191,7 +196,8 @@ void UploadSubmaps::AnswerBlob(const std::string& sha256, const absl::Status& st
 
 void UploadSubmaps::AskForBlobs(const HostedMap& map) {
   if (no_room_ || asked_.size() > limits::kMaxWantsPerFrame / 2) return;
-  // Those asked for are among the first of those missing.
+  // Those asked for are among the first of those missing, but for some that are stored and not
+  // answered yet.
   const std::vector<MissingBlob> missing =
       map.store().MissingBlobs(mission_, limits::kMaxWantsPerFrame);
   std::vector<MissingBlob> wanted;

@@ -16,6 +16,7 @@
 #include "overtone/core/common/ids.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
+#include "overtone/services/mapping_server/security/stream_access.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/v1/mapping_service.pb.h"
@@ -32,10 +33,11 @@ class UploadSubmaps : public UploadReactor,
                       public std::enable_shared_from_this<UploadSubmaps> {
  public:
   // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
-  static UploadReactor* Start(MapRegistry* registry, UploadSessions* sessions,
+  static UploadReactor* Start(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
                               const ServerLimits& limits);
 
-  UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, const ServerLimits& limits);
+  UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
+                const ServerLimits& limits);
 
   void End(const absl::Status& status) override;
 
@@ -68,6 +70,7 @@ class UploadSubmaps : public UploadReactor,
   void Advance() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  StreamAccess access_;
   MapRegistry* const registry_;
   UploadSessions* const sessions_;
   const int64_t window_bytes_;

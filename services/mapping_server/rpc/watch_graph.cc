@@ -20,9 +20,9 @@ absl::StatusOr<v1::WatchGraphRequest> Parse(grpc::ByteBuffer bytes) {
 
 }  // namespace
 
-WatchReactor* WatchGraph::Start(MapRegistry* registry, int server_max_nodes,
+WatchReactor* WatchGraph::Start(StreamAccess access, MapRegistry* registry, int server_max_nodes,
                                 const grpc::ByteBuffer& request) {
-  auto reactor = std::make_shared<WatchGraph>();
+  auto reactor = std::make_shared<WatchGraph>(std::move(access));
   reactor->self_ = reactor;
   const absl::Status status = reactor->Subscribe(registry, server_max_nodes, request);
   if (!status.ok()) reactor->End(status);
@@ -32,6 +32,7 @@ WatchReactor* WatchGraph::Start(MapRegistry* registry, int server_max_nodes,
 absl::Status WatchGraph::Subscribe(MapRegistry* registry, int server_max_nodes,
                                    const grpc::ByteBuffer& bytes) {
   ASSIGN_OR_RETURN(const v1::WatchGraphRequest request, Parse(bytes));
+  RETURN_IF_ERROR(access_.MayRead(request.map(), weak_from_this()));
   Subscription subscription;
   ASSIGN_OR_RETURN(subscription.query, ReadQuery(request.options(), server_max_nodes));
   ASSIGN_OR_RETURN(subscription.encoding,

@@ -9,6 +9,7 @@ void OperationQueue::Push(std::unique_ptr<StoreOperation> operation) {
   std::string lane = operation->lane();
   absl::MutexLock lock(&mutex_);
   lanes_[std::move(lane)].push_back(std::move(operation));
+  ++unfinished_;
 }
 
 std::map<std::string, std::deque<std::unique_ptr<StoreOperation>>>::iterator
@@ -32,6 +33,15 @@ OperationBatch OperationQueue::Take(int64_t max_bytes) {
     if (alone) break;
   }
   return batch;
+}
+
+void OperationQueue::Finished(size_t count) {
+  absl::MutexLock lock(&mutex_);
+  unfinished_ -= count;
+}
+
+void OperationQueue::AwaitFinished() const {
+  absl::MutexLock lock(&mutex_, absl::Condition(this, &OperationQueue::AllFinished));
 }
 
 bool OperationQueue::empty() const {

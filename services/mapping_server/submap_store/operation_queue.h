@@ -26,11 +26,16 @@ class OperationQueue {
   // Waits until there is something; then what there is, up to the first operation at which
   // `max_bytes` are reached. Empty: closed, and nothing is left.
   OperationBatch Take(int64_t max_bytes);
+  // So many of those taken are finished.
+  void Finished(size_t count);
   bool empty() const;
+  // Waits until all that was pushed is finished.
+  void AwaitFinished() const;
   // Take still gives what waits.
   void Close();
 
  private:
+  bool AllFinished() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return unfinished_ == 0; }
   bool HasNews() const ABSL_SHARED_LOCKS_REQUIRED(mutex_) { return closed_ || !lanes_.empty(); }
   // After the lane that was served last.
   std::map<std::string, std::deque<std::unique_ptr<StoreOperation>>>::iterator NextLane()
@@ -39,6 +44,7 @@ class OperationQueue {
   mutable absl::Mutex mutex_;
   // None is empty.
   std::map<std::string, std::deque<std::unique_ptr<StoreOperation>>> lanes_ ABSL_GUARDED_BY(mutex_);
+  size_t unfinished_ ABSL_GUARDED_BY(mutex_) = 0;
   std::string last_served_ ABSL_GUARDED_BY(mutex_);
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };

@@ -53,6 +53,9 @@ class SqliteSubmapStore : public SubmapStore {
   absl::Status DeleteMission(const MissionId& mission) override;
   StoreReport Verify() const override;
   absl::Status Backup(const std::string& path) const override;
+  void Drain() override {
+    if (writer_.started()) writer_.Drain();
+  }
   UploadState State(const MissionId& mission) const override { return index_.State(mission); }
   std::map<MissionId, UploadState> Missions() const override { return index_.Missions(); }
 

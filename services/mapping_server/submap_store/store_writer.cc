@@ -81,7 +81,9 @@ absl::Status StoreWriter::Reload() {
 void StoreWriter::Run() {
   for (OperationBatch batch = queue_.Take(options_.max_batch_bytes); !batch.empty();
        batch = queue_.Take(options_.max_batch_bytes)) {
+    const size_t count = batch.size();
     Process(std::move(batch));
+    queue_.Finished(count);
     CheckpointIfDue();
   }
 }

@@ -30,7 +30,7 @@ struct StoreOptions {
   int checkpoint_pages = 4000;
 };
 
-// Push is thread-safe. All else by one thread.
+// Push and Drain are thread-safe. All else by one thread.
 class StoreWriter {
  public:
   StoreWriter(StoreFile* file, StoreIndex* index, LossList* losses, const ServerLimits& limits,
@@ -45,6 +45,8 @@ class StoreWriter {
   bool started() const { return thread_.joinable(); }
 
   void Push(std::unique_ptr<StoreOperation> operation);
+  // Waits until all that was pushed is finished. Only after Start.
+  void Drain() const { queue_.AwaitFinished(); }
 
  private:
   void Run();

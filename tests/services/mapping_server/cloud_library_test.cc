@@ -4,9 +4,11 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "gtest/gtest.h"
 #include "overtone/core/graph/point_cloud_codec.h"
+#include "overtone/tests/services/mapping_server/blob_shelf.h"
 
 namespace overtone {
 namespace {
@@ -49,7 +51,9 @@ std::shared_ptr<const std::string> AllAround(int points) {
 
 class CloudLibraryTest : public ::testing::Test {
  protected:
-  CloudLibraryTest() : library_(/*gather_length_m=*/2, /*max_views=*/2) {
+  CloudLibraryTest()
+      : library_(/*gather_length_m=*/2, /*max_views=*/2,
+                 [this](const std::string& sha256) { return blobs_.Get(sha256); }) {
     library_.AddSubmap(kAnna, StraightOn());
   }
 
@@ -59,12 +63,17 @@ class CloudLibraryTest : public ::testing::Test {
     return view.ok() ? static_cast<int>((*view)->cloud->points.size()) : -1;
   }
 
+  void AddCloud(const NodeId& node, std::shared_ptr<const std::string> blob) {
+    library_.AddCloud(node, blobs_.Put(std::move(blob)));
+  }
+
+  BlobShelf blobs_;
   CloudLibrary library_;
 };
 
 TEST_F(CloudLibraryTest, ALimitedViewGathersTheKeyframesBehindIt) {
   for (int i = 0; i < 5; ++i) {
-    if (i != 3) library_.AddCloud({kAnna, i}, Ahead(10));
+    if (i != 3) AddCloud({kAnna, i}, Ahead(10));
   }
   const auto view = library_.View({kAnna, 4});
   ASSERT_TRUE(view.ok()) << view.status();
@@ -78,10 +87,10 @@ TEST_F(CloudLibraryTest, ALimitedViewGathersTheKeyframesBehindIt) {
 }
 
 TEST_F(CloudLibraryTest, AViewAllAroundStandsForItself) {
-  library_.AddCloud({kAnna, 0}, AllAround(200));
-  library_.AddCloud({kAnna, 1}, AllAround(100));
+  AddCloud({kAnna, 0}, AllAround(200));
+  AddCloud({kAnna, 1}, AllAround(100));
   EXPECT_EQ(NumPoints(1), 100);
-  library_.AddCloud({kAnna, 2}, Ahead(10));
+  AddCloud({kAnna, 2}, Ahead(10));
   EXPECT_EQ(NumPoints(2), 301);
 }
 
@@ -91,8 +100,8 @@ TEST_F(CloudLibraryTest, TheWayGoesOnFromSubmapToSubmap) {
   next.clouds.clear();
   for (Keyframe& keyframe : next.keyframes) keyframe.mission_from_body.translation.x() += 6;
   library_.AddSubmap(kAnna, next);
-  library_.AddCloud({kAnna, 5}, Ahead(10));
-  library_.AddCloud({kAnna, 7}, Ahead(10));
+  AddCloud({kAnna, 5}, Ahead(10));
+  AddCloud({kAnna, 7}, Ahead(10));
   const auto view = library_.View({kAnna, 7});
   ASSERT_TRUE(view.ok()) << view.status();
   EXPECT_DOUBLE_EQ((*view)->travelled_m, 7);
@@ -100,9 +109,9 @@ TEST_F(CloudLibraryTest, TheWayGoesOnFromSubmapToSubmap) {
 }
 
 TEST_F(CloudLibraryTest, WhatIsNotThereIsNotFound) {
-  library_.AddCloud({kAnna, 1}, Ahead(10));
-  library_.AddCloud({kAnna, 77}, Ahead(10));
-  library_.AddCloud({{"bert", "run"}, 0}, Ahead(10));
+  AddCloud({kAnna, 1}, Ahead(10));
+  AddCloud({kAnna, 77}, Ahead(10));
+  AddCloud({{"bert", "run"}, 0}, Ahead(10));
   for (const NodeId& node :
        {NodeId{kAnna, 2}, NodeId{kAnna, 77}, NodeId{kAnna, -1}, NodeId{{"bert", "run"}, 0}}) {
     EXPECT_EQ(library_.View(node).status().code(), absl::StatusCode::kNotFound) << ToString(node);
@@ -110,16 +119,25 @@ TEST_F(CloudLibraryTest, WhatIsNotThereIsNotFound) {
 }
 
 TEST_F(CloudLibraryTest, ABlobThatIsNoCloudIsRefused) {
-  library_.AddCloud({kAnna, 1}, std::make_shared<const std::string>("no cloud"));
+  AddCloud({kAnna, 1}, std::make_shared<const std::string>("no cloud"));
   EXPECT_EQ(library_.View({kAnna, 1}).status().code(), absl::StatusCode::kInvalidArgument);
   // Its neighbours do without it.
-  library_.AddCloud({kAnna, 0}, Ahead(10));
-  library_.AddCloud({kAnna, 2}, Ahead(10));
+  AddCloud({kAnna, 0}, Ahead(10));
+  AddCloud({kAnna, 2}, Ahead(10));
   EXPECT_EQ(NumPoints(2), 2);
 }
 
+TEST_F(CloudLibraryTest, CloudsStayWhereTheyAreStored) {
+  AddCloud({kAnna, 0}, AllAround(100));
+  AddCloud({kAnna, 1}, AllAround(100));
+  ASSERT_EQ(NumPoints(0), 100);
+  blobs_.Clear();
+  EXPECT_EQ(NumPoints(0), 100);  // the view is kept
+  EXPECT_EQ(library_.View({kAnna, 1}).status().code(), absl::StatusCode::kNotFound);
+}
+
 TEST_F(CloudLibraryTest, TheViewsAskedForLastAreKept) {
-  for (int i = 0; i < 3; ++i) library_.AddCloud({kAnna, i}, AllAround(100));
+  for (int i = 0; i < 3; ++i) AddCloud({kAnna, i}, AllAround(100));
   const auto first = *library_.View({kAnna, 0});
   EXPECT_EQ(*library_.View({kAnna, 0}), first);
   ASSERT_TRUE(library_.View({kAnna, 1}).ok());
@@ -138,7 +156,7 @@ TEST_F(CloudLibraryTest, CloudsAreAnnouncedThereOrGone) {
   library_.CloudGone(announced);
   library_.CloudGone({kAnna, 77});
   EXPECT_FALSE(library_.ExpectsCloud(announced));
-  library_.AddCloud(announced, Ahead(10));  // another mission had the same
+  AddCloud(announced, Ahead(10));  // another mission had the same
   EXPECT_TRUE(library_.HasCloud(announced));
   EXPECT_TRUE(library_.ExpectsCloud(announced));
 }

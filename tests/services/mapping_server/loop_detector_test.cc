@@ -2,6 +2,7 @@
 // Two robots drive through one hall; what they saw comes as encoded clouds, as from the store.
 #include "overtone/services/mapping_server/loop_detector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -15,11 +16,13 @@
 #include "gtest/gtest.h"
 #include "overtone/core/graph/point_cloud_codec.h"
 #include "overtone/core/mapping/loop_closure.h"
+#include "overtone/tests/services/mapping_server/blob_shelf.h"
 #include "overtone/tests/support/simulated_scans.h"
 
 namespace overtone {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 using Blob = std::shared_ptr<const std::string>;
@@ -84,18 +87,26 @@ class LoopDetectorTest : public ::testing::Test {
   void Start(const LoopDetectorOptions& options = {}) {
     ASSERT_TRUE(options.Validate().ok());
     detector_ = std::make_unique<LoopDetector>(
-        options, LoopDetector::Sink{[this](LoopCandidate candidate) {
-                                      absl::MutexLock lock(&mutex_);
-                                      found_.push_back(candidate);
-                                    },
-                                    [this](const ScoredCandidate& p) {
-                                      absl::MutexLock lock(&mutex_);
-                                      pairs_.push_back(p);
-                                    },
-                                    [this](const MotionMeasurement& m) {
-                                      absl::MutexLock lock(&mutex_);
-                                      motions_.push_back(m);
-                                    }});
+        options, [this](const std::string& sha256) { return blobs_.Get(sha256); },
+        LoopDetector::Sink{[this](SearchResult search) {
+                             absl::MutexLock lock(&mutex_);
+                             searched_.push_back(search.node);
+                             for (LoopCandidate& candidate : search.candidates) {
+                               found_.push_back(std::move(candidate));
+                             }
+                           },
+                           [this](const RefinedMotion& motion) {
+                             absl::MutexLock lock(&mutex_);
+                             motions_.push_back(motion.measurement);
+                           },
+                           [this](LoopCandidate candidate) {
+                             absl::MutexLock lock(&mutex_);
+                             found_.push_back(std::move(candidate));
+                           },
+                           [this](const ScoredCandidate& pair) {
+                             absl::MutexLock lock(&mutex_);
+                             pairs_.push_back(pair);
+                           }});
   }
   // A detector that proposes nothing by itself.
   void StartWithoutProposals() {
@@ -105,7 +116,7 @@ class LoopDetectorTest : public ::testing::Test {
   }
 
   void AddCloud(const Mission& mission, int64_t index) {
-    detector_->AddCloud({mission.id, index}, mission.blobs[index]);
+    detector_->AddCloud({mission.id, index}, blobs_.Put(mission.blobs[index]));
   }
   void AddAll(const Mission& mission) {
     detector_->AddSubmap(mission.id, mission.AsSubmap());
@@ -138,7 +149,9 @@ class LoopDetectorTest : public ::testing::Test {
   }
 
   const Mission anna_ = Anna(), bert_ = Bert();
+  BlobShelf blobs_;
   absl::Mutex mutex_;
+  std::vector<NodeId> searched_ ABSL_GUARDED_BY(mutex_);
   std::vector<LoopCandidate> found_ ABSL_GUARDED_BY(mutex_);
   std::vector<ScoredCandidate> pairs_ ABSL_GUARDED_BY(mutex_);
   std::vector<MotionMeasurement> motions_ ABSL_GUARDED_BY(mutex_);
@@ -197,6 +210,74 @@ TEST_F(LoopDetectorTest, TwoMissionsThroughOneHallAreTiedRightly) {
   }
   EXPECT_GE(taken, 6);
   EXPECT_THAT(Pairs(), IsEmpty());
+}
+
+TEST_F(LoopDetectorTest, EveryCloudIsReportedOnceWithAllThatWasFoundAtIt) {
+  Start();
+  AddAll(anna_);
+  AddAll(bert_);
+  const size_t found = Found().size();
+  absl::MutexLock lock(&mutex_);
+  EXPECT_THAT(searched_, SizeIs(24));
+  std::sort(searched_.begin(), searched_.end());
+  EXPECT_EQ(std::unique(searched_.begin(), searched_.end()), searched_.end());
+  EXPECT_GT(found, 0u);
+}
+
+// Of Anna's keyframes 0 to 9 were searched before the restart, and one pair was measured.
+TEST_F(LoopDetectorTest, WhatWasFoundBeforeARestartIsNotLookedForAgain) {
+  Start();
+  detector_->BeginReplay();
+  Submap of_anna = anna_.AsSubmap();
+  of_anna.candidates.push_back({{kAnna, 0}, {kAnna, 9}, 0.7});
+  of_anna.candidates.push_back({{kAnna, 1}, {kAnna, 11}, 0.7});
+  detector_->AddSubmap(kAnna, of_anna);
+  for (int i = 0; i < 10; ++i) detector_->NoteSearch({kAnna, i});
+  detector_->NotePair({kAnna, 0}, {kAnna, 9});
+  for (int i = 0; i < 12; ++i) AddCloud(anna_, i);
+  EXPECT_EQ(detector_->backlog(), 0);  // nothing moves before the end of the replay
+  detector_->EndReplay();
+  for (const LoopCandidate& candidate : Found()) {
+    EXPECT_NE(candidate.to, (NodeId{kAnna, 9}));
+  }
+  {
+    absl::MutexLock lock(&mutex_);
+    EXPECT_THAT(searched_, ElementsAre(NodeId{kAnna, 10}, NodeId{kAnna, 11}));
+    const auto robots = std::count_if(found_.begin(), found_.end(), [](const auto& candidate) {
+      return candidate.proposer == LoopEvidence::kRobotScore;
+    });
+    EXPECT_EQ(robots, 1);
+    found_.clear();
+  }
+  AddAll(bert_);
+  const std::vector<LoopCandidate> later = Found();
+  // The places known from before are found again.
+  EXPECT_TRUE(std::any_of(later.begin(), later.end(), [](const LoopCandidate& candidate) {
+    return candidate.from.mission == kAnna && candidate.from.index < 10;
+  }));
+}
+
+TEST_F(LoopDetectorTest, AMotionRefinedBeforeARestartIsNotRefinedAgain) {
+  StartWithoutProposals();
+  const PatchWorld room = RoomWorld();
+  Random random(4);
+  Mission mission;
+  mission.id = kAnna;
+  for (int i = 0; i < 4; ++i) {
+    mission.world_from_body.push_back(StandingAt(-1 + 0.3 * i, 0.2, 0));
+    const PointCloud cloud = Scan(room, mission.world_from_body.back(), PlanarScanner(), random);
+    mission.blobs.push_back(std::make_shared<const std::string>(*EncodePointCloud(cloud, {})));
+  }
+  detector_->BeginReplay();
+  detector_->AddSubmap(kAnna, mission.AsSubmap());
+  detector_->NoteMotion({{{kAnna, 1}, mission.FromTo(0, mission, 1)}, true});
+  for (int i = 0; i < 4; ++i) AddCloud(mission, i);
+  detector_->EndReplay();
+  Found();
+  absl::MutexLock lock(&mutex_);
+  ASSERT_THAT(motions_, SizeIs(2));
+  EXPECT_EQ(motions_[0].to, (NodeId{kAnna, 2}));
+  EXPECT_EQ(motions_[1].to, (NodeId{kAnna, 3}));
 }
 
 TEST_F(LoopDetectorTest, ThePlaceThatLooksMostAlikeIsKnownEvenIfItWasNotProposed) {
@@ -285,7 +366,7 @@ TEST_F(LoopDetectorTest, APairWhoseCloudCannotBeReadIsDeliveredAsItIs) {
   StartWithoutProposals();
   AddSubmapsWithPair(3, 8);
   AddCloud(anna_, 3);
-  detector_->AddCloud({kBert, 8}, std::make_shared<const std::string>("no cloud"));
+  detector_->AddCloud({kBert, 8}, blobs_.Put(std::make_shared<const std::string>("no cloud")));
   EXPECT_THAT(Found(), IsEmpty());
   ASSERT_THAT(Pairs(), SizeIs(1));
   EXPECT_EQ(Pairs()[0].score, 0.7);

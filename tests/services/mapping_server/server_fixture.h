@@ -27,6 +27,7 @@ inline std::chrono::system_clock::time_point Deadline() {
 inline ServerOptions TestOptions() {
   ServerOptions options;
   options.listen = "localhost:0";
+  options.data_dir = ":memory:";
   options.publisher.heartbeat_s = 0.05;
   // Every keyframe is a node.
   options.graph.min_distance_m = 0;
