@@ -61,7 +61,9 @@ absl::Status HostedMap::Start(Epoch epoch) {
     published_ = {empty, absl::InfinitePast()};
   }
   publisher_ = std::make_unique<GraphPublisher>(id_, empty->map_epoch, options_);
-  pipeline_->Start(ReadCheckpoint(*store_, id_));
+  absl::optional<StoredCheckpoint> checkpoint = ReadCheckpoint(*store_, id_);
+  if (checkpoint.has_value()) checkpoint->map.decisions.map_epoch = replayed_.map_epoch;
+  pipeline_->Start(checkpoint);
   detector_->EndReplay();
   return absl::OkStatus();
 }

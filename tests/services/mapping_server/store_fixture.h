@@ -130,7 +130,10 @@ class ScratchFolder {
     std::string pattern = parent + "/store_XXXXXX";
     path_ = mkdtemp(pattern.data());
   }
-  ~ScratchFolder() { std::filesystem::remove_all(path_); }
+  ~ScratchFolder() {
+    std::error_code ignored;  // files may go while we look
+    std::filesystem::remove_all(path_, ignored);
+  }
   std::string File(const std::string& name) const { return (path_ / name).string(); }
   const std::filesystem::path& path() const { return path_; }
 
