@@ -12,6 +12,7 @@
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
+#include "overtone/services/mapping_server/quota/robot_quotas.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 
@@ -32,8 +33,9 @@ class MappingServer {
   // host:port, with the port that was taken.
   std::string address() const;
 
-  // Ends the streams with UNAVAILABLE, lets calls finish until `deadline` has passed, then cancels
-  // what is left. Calling it again does nothing.
+  // Says NOT_SERVING, ends the streams with UNAVAILABLE once what they sent is acknowledged, lets
+  // calls finish until `deadline` has passed, then cancels what is left. Calling it again does
+  // nothing.
   void Shutdown(absl::Duration deadline);
 
  private:
@@ -41,6 +43,7 @@ class MappingServer {
   absl::Status Listen();
 
   const ServerOptions options_;
+  RobotQuotas quotas_;
   MapRegistry registry_;
   UploadSessions sessions_;
   MappingService mapping_service_;

@@ -2,48 +2,59 @@
 #include "overtone/services/mapping_server/mapping_service.h"
 
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/quota/quota_subject.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/services/mapping_server/rpc/upload_submaps.h"
 #include "overtone/services/mapping_server/rpc/watch_graph.h"
 
 namespace overtone {
 
-MappingService::MappingService(const ServerOptions& options, MapRegistry* registry,
-                               UploadSessions* sessions)
-    : options_(options), registry_(registry), sessions_(sessions) {}
+MappingService::MappingService(const ServerOptions& options, RobotQuotas* quotas,
+                               MapRegistry* registry, UploadSessions* sessions)
+    : options_(options), quotas_(quotas), registry_(registry), sessions_(sessions) {}
 
 grpc::ServerUnaryReactor* MappingService::GetServerInfo(grpc::CallbackServerContext* context,
                                                         const v1::GetServerInfoRequest*,
                                                         v1::GetServerInfoResponse* response) {
-  return Answer(context, ServerInfo(options_), response);
+  return Guarded(context, quotas_->AdmitCall(QuotaSubject(*context)),
+                 [&] { return Answer(context, ServerInfo(options_), response); });
 }
 
 grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>*
-MappingService::UploadSubmaps(grpc::CallbackServerContext*) {
-  return overtone::UploadSubmaps::Start(registry_, sessions_, options_.limits);
+MappingService::UploadSubmaps(grpc::CallbackServerContext* context) {
+  return overtone::UploadSubmaps::Start({quotas_, QuotaSubject(*context)}, registry_, sessions_,
+                                        options_.limits);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerContext* context,
                                                          const v1::GetUploadStateRequest* request,
                                                          v1::GetUploadStateResponse* response) {
-  return Answer(context, overtone::GetUploadState(*registry_, *request), response);
+  const std::string who = QuotaSubjectOfRobot(QuotaSubject(*context), request->mission().robot());
+  return Guarded(context, quotas_->AdmitCall(who), [&] {
+    return Answer(context, overtone::GetUploadState(*registry_, *request), response);
+  });
 }
 
 grpc::ServerUnaryReactor* MappingService::AddLoopClosures(grpc::CallbackServerContext* context,
                                                           const v1::AddLoopClosuresRequest* request,
                                                           v1::AddLoopClosuresResponse* response) {
-  return overtone::AddLoopClosures(context, *registry_, *request, response);
+  return Guarded(context, quotas_->AdmitCall(QuotaSubject(*context)), [&] {
+    return overtone::AddLoopClosures(context, *registry_, *request, response);
+  });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MappingService::WatchGraph(
-    grpc::CallbackServerContext*, const grpc::ByteBuffer* request) {
-  return overtone::WatchGraph::Start(registry_, options_.graph.max_nodes, *request);
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
+  return overtone::WatchGraph::Start({quotas_, QuotaSubject(*context)}, registry_, options_,
+                                     *request);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetGraph(grpc::CallbackServerContext* context,
                                                    const v1::GetGraphRequest* request,
                                                    v1::GetGraphResponse* response) {
-  return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
+  return Guarded(context, quotas_->AdmitCall(QuotaSubject(*context)), [&] {
+    return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
+  });
 }
 
 }  // namespace overtone

@@ -24,6 +24,16 @@ grpc::ServerUnaryReactor* Answer(grpc::CallbackServerContext* context,
   return reactor;
 }
 
+// Makes the call if it may be made, or finishes with why not.
+template <typename Call>
+grpc::ServerUnaryReactor* Guarded(grpc::CallbackServerContext* context, const absl::Status& allowed,
+                                  Call call) {
+  if (allowed.ok()) return call();
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(ToGrpcStatus(allowed));
+  return reactor;
+}
+
 absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& options);
 
 absl::StatusOr<v1::GetUploadStateResponse> GetUploadState(const MapRegistry& registry,

@@ -5,6 +5,7 @@
 #define OVERTONE_SERVICES_MAPPING_SERVER_RPC_WATCH_GRAPH_H_
 
 #include <memory>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -15,6 +16,9 @@
 #include "grpcpp/support/server_callback.h"
 #include "overtone/services/mapping_server/graph_publisher.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/quota/stream_quota.h"
+#include "overtone/services/mapping_server/rpc/stream_age.h"
+#include "overtone/services/mapping_server/server_options.h"
 #include "overtone/v1/mapping_service.pb.h"
 
 namespace overtone {
@@ -27,11 +31,15 @@ class WatchGraph : public WatchReactor,
                    public std::enable_shared_from_this<WatchGraph> {
  public:
   // `registry` outlives the server's calls.
-  static WatchReactor* Start(MapRegistry* registry, int server_max_nodes,
+  static WatchReactor* Start(StreamQuota quota, MapRegistry* registry, const ServerOptions& options,
                              const grpc::ByteBuffer& request);
+
+  explicit WatchGraph(StreamQuota quota) : quota_(std::move(quota)) {}
 
   void Send(const grpc::ByteBuffer& frame) override;
   void End(const absl::Status& status) override;
+  // There is nothing to wait for but the frame under way.
+  void Drain(const absl::Status& status) { End(status); }
 
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
@@ -42,6 +50,8 @@ class WatchGraph : public WatchReactor,
                          const grpc::ByteBuffer& request);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  StreamQuota quota_;
+  StreamAge age_;
   std::shared_ptr<WatchGraph> self_;  // until OnDone
   std::shared_ptr<HostedMap> map_;    // until OnDone, and null for requests that were refused
 
