@@ -5,6 +5,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "grpcpp/create_channel.h"
+#include "overtone/client/internal/channel_credentials.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/status_conversion.h"
@@ -15,10 +16,11 @@ namespace {
 constexpr int kPageSize = 1000;
 constexpr int kMaxMessageBytes = 256 << 20;  // a trajectory of a million keyframes
 
-std::shared_ptr<grpc::Channel> CreateAdminChannel(const std::string& server) {
+std::shared_ptr<grpc::Channel> CreateAdminChannel(const std::string& server, const TlsFiles& tls) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
+  const auto credentials = MakeChannelCredentials(tls, &arguments);
+  return grpc::CreateCustomChannel(server, credentials, arguments);
 }
 
 void Prepare(grpc::ClientContext* context, absl::Duration timeout) {
@@ -33,10 +35,10 @@ absl::Status Named(const std::string& server, const grpc::Status& status) {
 
 }  // namespace
 
-AdminClient::AdminClient(std::string server, absl::Duration timeout)
+AdminClient::AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls)
     : server_(std::move(server)),
       timeout_(timeout),
-      stub_(v1::MapAdminService::NewStub(CreateAdminChannel(server_))) {}
+      stub_(v1::MapAdminService::NewStub(CreateAdminChannel(server_, tls))) {}
 
 template <typename Request, typename Response>
 absl::StatusOr<Response> AdminClient::Call(Method<Request, Response> method,

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "overtone/client/tls_files.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/v1/map_admin_service.grpc.pb.h"
 
@@ -20,7 +21,7 @@ namespace overtone {
 // answer within `timeout`. Thread-safe.
 class AdminClient {
  public:
-  AdminClient(std::string server, absl::Duration timeout);
+  AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls = TlsFiles());
 
   absl::StatusOr<std::vector<v1::MapSummary>> ListMaps();
   // NotFound: no such map.

@@ -2,53 +2,70 @@
 #include "overtone/client/internal/blob_queue.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace overtone {
-namespace {
 
-int64_t Size(const WaitingBlob& blob) { return static_cast<int64_t>(blob.bytes->size()); }
-
-}  // namespace
-
-void BlobQueue::Push(WaitingBlob blob) {
-  bytes_ += Size(blob);
-  blobs_.push_back(std::move(blob));
+void BlobQueue::Push(OutboxItem blob) {
+  bytes_ += blob.size;
+  ids_[blob.sha256].push_back(blob.id);
+  const int64_t id = blob.id;
+  items_.emplace_hint(items_.end(), id, std::move(blob));
 }
 
-void BlobQueue::PopFront() {
-  bytes_ -= Size(blobs_.front());
-  blobs_.pop_front();
+OutboxItem BlobQueue::Take(Items::iterator it) {
+  OutboxItem blob = std::move(it->second);
+  items_.erase(it);
+  bytes_ -= blob.size;
+  const auto ids = ids_.find(blob.sha256);
+  ids->second.erase(std::find(ids->second.begin(), ids->second.end(), blob.id));
+  if (ids->second.empty()) ids_.erase(ids);
+  return blob;
 }
 
-SharedBytes BlobQueue::Find(const std::string& sha256) const {
-  const auto it = std::find_if(blobs_.begin(), blobs_.end(),
-                               [&](const WaitingBlob& blob) { return blob.sha256 == sha256; });
-  return it == blobs_.end() ? nullptr : it->bytes;
+bool BlobQueue::MarkSaved(int64_t id) {
+  const auto it = items_.find(id);
+  if (it == items_.end()) return false;
+  it->second.saved = true;
+  it->second.bytes = nullptr;
+  return true;
 }
 
-int64_t BlobQueue::Remove(const std::string& sha256) {
-  int64_t removed = 0;
-  for (auto it = blobs_.begin(); it != blobs_.end();) {
-    if (it->sha256 != sha256) {
-      ++it;
-      continue;
-    }
-    bytes_ -= Size(*it);
-    it = blobs_.erase(it);
-    ++removed;
+const OutboxItem* BlobQueue::Find(const std::string& sha256) const {
+  const auto ids = ids_.find(sha256);
+  return ids == ids_.end() ? nullptr : &items_.at(ids->second.front());
+}
+
+std::vector<OutboxItem> BlobQueue::Remove(const std::string& sha256) {
+  std::vector<OutboxItem> removed;
+  while (const OutboxItem* blob = Find(sha256)) removed.push_back(Take(items_.find(blob->id)));
+  return removed;
+}
+
+std::vector<OutboxItem> BlobQueue::RemoveThrough(int64_t sequence) {
+  std::vector<OutboxItem> removed;
+  while (!empty() && items_.begin()->second.sequence <= sequence) removed.push_back(PopFront());
+  return removed;
+}
+
+std::vector<OutboxItem> BlobQueue::RemoveFrom(int64_t sequence) {
+  std::vector<OutboxItem> removed;
+  while (!empty() && items_.rbegin()->second.sequence >= sequence) {
+    removed.push_back(Take(std::prev(items_.end())));
   }
   return removed;
 }
 
-void BlobQueue::RemoveThrough(int64_t sequence) {
-  while (!blobs_.empty() && blobs_.front().sequence <= sequence) PopFront();
-}
-
-void BlobQueue::RemoveFrom(int64_t sequence) {
-  for (; !blobs_.empty() && blobs_.back().sequence >= sequence; blobs_.pop_back()) {
-    bytes_ -= Size(blobs_.back());
+std::vector<OutboxItem> BlobQueue::RemoveIf(
+    const std::function<bool(const OutboxItem&)>& condition) {
+  std::vector<OutboxItem> removed;
+  for (auto it = items_.begin(); it != items_.end();) {
+    const auto next = std::next(it);
+    if (condition(it->second)) removed.push_back(Take(it));
+    it = next;
   }
+  return removed;
 }
 
 }  // namespace overtone

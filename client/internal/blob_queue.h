@@ -4,40 +4,44 @@
 #define OVERTONE_CLIENT_INTERNAL_BLOB_QUEUE_H_
 
 #include <cstdint>
-#include <deque>
-#include <memory>
+#include <functional>
+#include <map>
 #include <string>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "overtone/client/internal/outbox_item.h"
 
 namespace overtone {
 
-using SharedBytes = std::shared_ptr<const std::string>;
-
-struct WaitingBlob {
-  int64_t sequence = 0;  // of its submap
-  std::string sha256;
-  SharedBytes bytes;
-};
-
-// By sequence. Two keyframes may have equal clouds: then there are two of that digest. Not
-// thread-safe.
+// By id, and so by sequence. Two keyframes may have equal clouds: then there are two of that
+// digest. What leaves the queue is returned. No method but those that remove many takes more than
+// logarithmic time: a robot may collect a hundred thousand. Not thread-safe.
 class BlobQueue {
  public:
-  int64_t size() const { return static_cast<int64_t>(blobs_.size()); }
-  bool empty() const { return blobs_.empty(); }
-  int64_t bytes() const { return bytes_; }
+  using Items = std::map<int64_t, OutboxItem>;
 
-  // Its sequence is no smaller than the last one's.
-  void Push(WaitingBlob blob);
-  void PopFront();
-  SharedBytes Find(const std::string& sha256) const;  // null: not there
-  // How many there were.
-  int64_t Remove(const std::string& sha256);
-  void RemoveThrough(int64_t sequence);
-  void RemoveFrom(int64_t sequence);
+  int64_t bytes() const { return bytes_; }
+  const Items& items() const { return items_; }
+  bool empty() const { return items_.empty(); }
+  int64_t size() const { return static_cast<int64_t>(items_.size()); }
+
+  // Its id is larger and its sequence no smaller than the last one's.
+  void Push(OutboxItem blob);
+  OutboxItem PopFront() { return Take(items_.begin()); }
+  // It is in the file now. False: it is not there any more.
+  bool MarkSaved(int64_t id);
+  const OutboxItem* Find(const std::string& sha256) const;  // null: not there
+  std::vector<OutboxItem> Remove(const std::string& sha256);
+  std::vector<OutboxItem> RemoveThrough(int64_t sequence);
+  std::vector<OutboxItem> RemoveFrom(int64_t sequence);
+  std::vector<OutboxItem> RemoveIf(const std::function<bool(const OutboxItem&)>& condition);
 
  private:
-  // What is asked for and answered is near the front.
-  std::deque<WaitingBlob> blobs_;
+  OutboxItem Take(Items::iterator it);
+
+  Items items_;
+  absl::flat_hash_map<std::string, std::vector<int64_t>> ids_;  // by digest, increasing
   int64_t bytes_ = 0;
 };
 

@@ -18,13 +18,15 @@ constexpr absl::Duration kCallTimeout = absl::Seconds(10);
 
 LoopClosureUploader::LoopClosureUploader(v1::MappingService::Stub* stub, Backoff backoff,
                                          SubmapOutbox* outbox, TrafficCounters* counters,
-                                         Logger logger, RefusalHandler on_refusal)
+                                         Logger logger, RefusalHandler on_refusal,
+                                         TokenBucket* bucket)
     : stub_(stub),
       backoff_(std::move(backoff)),
       outbox_(outbox),
       counters_(counters),
       logger_(std::move(logger)),
-      on_refusal_(std::move(on_refusal)) {
+      on_refusal_(std::move(on_refusal)),
+      bucket_(bucket) {
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -78,6 +80,8 @@ absl::Status LoopClosureUploader::SendFront() {
   const absl::Status status = Call(request);
   // The batch has overtaken the submap that brings the map into being.
   if (absl::IsNotFound(status) && submaps_waiting) return status;
+  // Access can be granted any time; until then nothing is lost.
+  if (IsAccessRefused(status.code())) return status;
   if (IsRetryable(status.code()) || absl::IsCancelled(status)) return status;
   if (!status.ok()) on_refusal_(status);
   outbox_->PopLoopClosures();
@@ -101,7 +105,9 @@ absl::Status LoopClosureUploader::Call(const v1::AddLoopClosuresRequest& request
     absl::MutexLock lock(&mutex_);
     call_ = nullptr;
   }
-  counters_->bytes_sent += request.ByteSizeLong();
+  const int64_t bytes = static_cast<int64_t>(request.ByteSizeLong());
+  counters_->bytes_sent += bytes;
+  if (bucket_ != nullptr) bucket_->Take(bytes, TokenBucket::Clock::now());
   counters_->bytes_received += response.ByteSizeLong();
   return FromGrpcStatus(status);
 }

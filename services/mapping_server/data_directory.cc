@@ -85,7 +85,7 @@ absl::Status DataDirectory::Remove(const std::string& map) const {
 void DataDirectory::RemoveEmpty(const std::string& map) const {
   if (InMemory()) return;
   std::error_code ignored;
-  for (const char* file : {"/map.db", "/map.db-wal", "/map.db-shm"}) {
+  for (const char* file : {"/map.db", "/map.db-wal", "/map.db-shm", "/map.db-mark"}) {
     fs::remove(Folder(map) + file, ignored);
   }
   fs::remove(Folder(map), ignored);  // fails while something else lies there

@@ -4,16 +4,18 @@
 
 #include "grpcpp/grpcpp.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/security/access_control.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/v1/map_admin_service.grpc.pb.h"
 
 namespace overtone {
 
-// The table of contents: what an operator calls. Registry and sessions outlive the service.
+// The table of contents: what an operator calls. Every call asks for the right to administer its
+// map first. Access control, registry and sessions outlive the service.
 class MapAdminService final : public v1::MapAdminService::CallbackService {
  public:
-  MapAdminService(int64_t max_message_bytes, const MapRegistry* registry,
-                  const UploadSessions* sessions);
+  MapAdminService(int64_t max_message_bytes, const AccessControl* access,
+                  const MapRegistry* registry, const UploadSessions* sessions);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -49,7 +51,13 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
       grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
 
  private:
+  // Makes the call if the caller may administer the map that the request names.
+  template <typename Request, typename Call>
+  grpc::ServerUnaryReactor* Administer(grpc::CallbackServerContext* context, const Request& request,
+                                       Call call) const;
+
   const int64_t max_message_bytes_;
+  const AccessControl* const access_;
   const MapRegistry* const registry_;
   const UploadSessions* const sessions_;
 };

@@ -12,6 +12,7 @@
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/limits.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -33,7 +34,7 @@ int Milliseconds(double seconds) { return static_cast<int>(1000 * seconds); }
 
 void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& builder) {
   const int keepalive_ms = Milliseconds(options.keepalive_s);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(options.limits.max_message_bytes));
+  builder.SetMaxReceiveMessageSize(static_cast<int>(limits::kMaxRequestBytes));
   builder.SetMaxSendMessageSize(static_cast<int>(options.limits.max_message_bytes));
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              options.limits.max_concurrent_streams);
@@ -55,16 +56,20 @@ void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& bui
 
 }  // namespace
 
-MappingServer::MappingServer(const ServerOptions& options)
+MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security)
     : options_(options),
+      security_(std::move(security)),
       quotas_(options.quotas),
       registry_(options),
-      mapping_service_(options, &quotas_, &registry_, &sessions_),
-      map_admin_service_(options.limits.max_message_bytes, &registry_, &sessions_) {}
+      mapping_service_(options, security_->access(), &quotas_, &registry_, &sessions_),
+      map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
+                         &sessions_) {}
 
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
-  std::unique_ptr<MappingServer> server(new MappingServer(options));
+  ASSIGN_OR_RETURN(std::unique_ptr<ServerSecurity> security,
+                   ServerSecurity::Create(options.security));
+  std::unique_ptr<MappingServer> server(new MappingServer(options, std::move(security)));
   RETURN_IF_ERROR(server->registry_.Open());
   RETURN_IF_ERROR(server->Listen());
   if (!options.metrics_listen.empty()) {
@@ -80,7 +85,7 @@ absl::Status MappingServer::Listen() {
   grpc::ServerBuilder builder;
   ConfigureConnections(options_, builder);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
-  builder.AddListeningPort(options_.listen, grpc::InsecureServerCredentials(), &port_);
+  builder.AddListeningPort(options_.listen, security_->Credentials(), &port_);
   builder.RegisterService(&mapping_service_);
   builder.RegisterService(&map_admin_service_);
   server_ = builder.BuildAndStart();

@@ -13,6 +13,7 @@
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
 #include "overtone/services/mapping_server/quota/robot_quotas.h"
+#include "overtone/services/mapping_server/security/server_security.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 
@@ -33,16 +34,20 @@ class MappingServer {
   // host:port, with the port that was taken.
   std::string address() const;
 
+  // Looks at certificates and access rules now; see ServerSecurity::Reload.
+  void ReloadSecurity() { security_->Reload(); }
+
   // Says NOT_SERVING, ends the streams with UNAVAILABLE once what they sent is acknowledged, lets
   // calls finish until `deadline` has passed, then cancels what is left. Calling it again does
   // nothing.
   void Shutdown(absl::Duration deadline);
 
  private:
-  explicit MappingServer(const ServerOptions& options);
+  MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security);
   absl::Status Listen();
 
   const ServerOptions options_;
+  const std::unique_ptr<ServerSecurity> security_;
   RobotQuotas quotas_;
   MapRegistry registry_;
   UploadSessions sessions_;

@@ -56,6 +56,7 @@ Key Into(T& option) {
 
 // The one list of keys.
 std::map<std::string, Key> Keys(ServerOptions& options) {
+  SecurityOptions& security = options.security;
   ServerLimits& limits = options.limits;
   QuotaOptions& quotas = options.quotas;
   PublisherOptions& publisher = options.publisher;
@@ -70,6 +71,13 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"reflection", Into(options.reflection)},
       {"keepalive_s", Into(options.keepalive_s)},
       {"shutdown_s", Into(options.shutdown_s)},
+      {"tls.ca_file", Into(security.files.ca_file)},
+      {"tls.certificate_file", Into(security.files.certificate_file)},
+      {"tls.key_file", Into(security.files.key_file)},
+      {"tls.accept_dns_names", Into(security.accept_dns_names)},
+      {"tls.reload_s", Into(security.reload_s)},
+      {"access_file", Into(security.access_file)},
+      {"insecure", Into(security.insecure)},
       {"limits.max_message_bytes", Into(limits.max_message_bytes)},
       {"limits.upload_window_bytes", Into(limits.upload_window_bytes)},
       {"limits.max_maps", Into(limits.max_maps)},

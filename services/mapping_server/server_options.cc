@@ -80,6 +80,7 @@ absl::Status ServerOptions::Validate() const {
   if (data_dir.empty()) return InvalidField("data_dir", "must name a folder, or :memory:");
   if (!metrics_listen.empty()) RETURN_IF_ERROR(ValidateListen("metrics_listen", metrics_listen));
   RETURN_IF_ERROR(ValidateLogLevel(log_level));
+  RETURN_IF_ERROR(security.Validate(listen));
   RETURN_IF_ERROR(InRange("keepalive_s", keepalive_s, 1.0, 3600.0));
   RETURN_IF_ERROR(InRange("shutdown_s", shutdown_s, 0.0, 600.0));
   RETURN_IF_ERROR(AtField("limits", limits.Validate()));

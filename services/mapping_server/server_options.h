@@ -14,12 +14,14 @@
 #include "overtone/proto/conversion/published_graph.h"
 #include "overtone/services/mapping_server/loop_detector.h"
 #include "overtone/services/mapping_server/quota/quota_options.h"
+#include "overtone/services/mapping_server/security/security_options.h"
 
 namespace overtone {
 
 // What one peer or all of them may take. Beyond a limit: RESOURCE_EXHAUSTED.
 struct ServerLimits {
-  // Either direction. gRPC's own default for clients; above 1 MiB, the largest submap.
+  // What the server sends; gRPC's own default for clients. It takes requests of up to 1 MiB and
+  // 64 KiB (limits.h).
   int64_t max_message_bytes = 4 << 20;
   // Sent but not acknowledged, for each upload stream: a few large submaps hide the round trip.
   int64_t upload_window_bytes = 4 << 20;
@@ -62,7 +64,7 @@ struct PublisherOptions {
 };
 
 struct ServerOptions {
-  // host:port; port 0 takes a free one. Only this host by default: there is no authentication yet.
+  // host:port; port 0 takes a free one. Only this host by default: others need certificates.
   std::string listen = "localhost:7077";
   // Where maps are kept over restarts; ":memory:" keeps them as long as the process.
   std::string data_dir = "overtone-data";
@@ -78,6 +80,7 @@ struct ServerOptions {
   // comes after it.
   double shutdown_s = 5.0;
 
+  SecurityOptions security;
   ServerLimits limits;
   QuotaOptions quotas;
   PublisherOptions publisher;

@@ -7,11 +7,13 @@
 
 #include "absl/strings/string_view.h"
 #include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/security/access_control.h"
 
 namespace overtone {
 
-// The connection, e.g. "ipv4:10.0.0.3:50432".
-std::string QuotaSubject(const grpc::CallbackServerContext& context);
+// "robot/anna" or "operator/olga" where a certificate says so; else the connection, e.g.
+// "ipv4:10.0.0.3:50432".
+std::string QuotaSubject(const grpc::CallbackServerContext& context, const AccessControl& access);
 
 // "robot/anna" for a peer that is known by its connection only and says that it is anna; a name
 // that is no id counts for nothing. `peer` comes from QuotaSubject.

@@ -25,9 +25,10 @@ constexpr size_t kMaxAnswers = 64;
 
 }  // namespace
 
-UploadReactor* UploadSubmaps::Start(StreamQuota quota, MapRegistry* registry,
+UploadReactor* UploadSubmaps::Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
                                     UploadSessions* sessions, const ServerLimits& limits) {
-  auto reactor = std::make_shared<UploadSubmaps>(std::move(quota), registry, sessions, limits);
+  auto reactor = std::make_shared<UploadSubmaps>(std::move(access), std::move(quota), registry,
+                                                 sessions, limits);
   reactor->self_ = reactor;
   const absl::Status admitted = reactor->quota_.Open();
   absl::MutexLock lock(&reactor->mutex_);
@@ -37,9 +38,10 @@ UploadReactor* UploadSubmaps::Start(StreamQuota quota, MapRegistry* registry,
   return reactor.get();
 }
 
-UploadSubmaps::UploadSubmaps(StreamQuota quota, MapRegistry* registry, UploadSessions* sessions,
-                             const ServerLimits& limits)
-    : registry_(registry),
+UploadSubmaps::UploadSubmaps(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                             UploadSessions* sessions, const ServerLimits& limits)
+    : access_(std::move(access)),
+      registry_(registry),
       sessions_(sessions),
       window_bytes_(limits.upload_window_bytes),
       assembly_(limits.max_blob_bytes),
@@ -66,6 +68,8 @@ void UploadSubmaps::OnReadDone(bool ok) {
   } else if (ok) {
     status = OnFrame();
   }
+  // Decoded, a message of many empty fields takes a hundred times its size.
+  request_ = v1::UploadSubmapsRequest();
   absl::MutexLock lock(&mutex_);
   reading_ = false;
   half_closed_ = half_closed_ || !ok;
@@ -104,6 +108,8 @@ absl::Status UploadSubmaps::OnFrame() {
 
 absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   if (!map_id_.empty()) return InvalidField("header", "only the first message may be one");
+  RETURN_IF_ERROR(
+      access_.MayWrite(header.map(), header.mission().robot(), "header.", weak_from_this()));
   RETURN_IF_ERROR(ValidateId(header.map(), "header.map"));
   ASSIGN_OR_RETURN(MissionId mission, AtField("header.mission", FromProto(header.mission())));
   RETURN_IF_ERROR(quota_.SetRobot(mission.robot));

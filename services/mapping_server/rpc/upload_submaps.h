@@ -19,6 +19,7 @@
 #include "overtone/services/mapping_server/quota/stream_quota.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
 #include "overtone/services/mapping_server/rpc/stream_age.h"
+#include "overtone/services/mapping_server/security/stream_access.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/v1/mapping_service.pb.h"
@@ -35,11 +36,11 @@ class UploadSubmaps : public UploadReactor,
                       public std::enable_shared_from_this<UploadSubmaps> {
  public:
   // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
-  static UploadReactor* Start(StreamQuota quota, MapRegistry* registry, UploadSessions* sessions,
-                              const ServerLimits& limits);
+  static UploadReactor* Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                              UploadSessions* sessions, const ServerLimits& limits);
 
-  UploadSubmaps(StreamQuota quota, MapRegistry* registry, UploadSessions* sessions,
-                const ServerLimits& limits);
+  UploadSubmaps(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                UploadSessions* sessions, const ServerLimits& limits);
 
   void End(const absl::Status& status) override;
   void Drain(const absl::Status& status) override;
@@ -74,6 +75,7 @@ class UploadSubmaps : public UploadReactor,
   void PauseReading(absl::Duration pause) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  StreamAccess access_;
   MapRegistry* const registry_;
   UploadSessions* const sessions_;
   const int64_t window_bytes_;

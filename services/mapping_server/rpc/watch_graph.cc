@@ -20,9 +20,9 @@ absl::StatusOr<v1::WatchGraphRequest> Parse(grpc::ByteBuffer bytes) {
 
 }  // namespace
 
-WatchReactor* WatchGraph::Start(StreamQuota quota, MapRegistry* registry,
+WatchReactor* WatchGraph::Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
                                 const ServerOptions& options, const grpc::ByteBuffer& request) {
-  auto reactor = std::make_shared<WatchGraph>(std::move(quota));
+  auto reactor = std::make_shared<WatchGraph>(std::move(access), std::move(quota));
   reactor->self_ = reactor;
   const absl::Status status = reactor->Subscribe(registry, options.graph.max_nodes, request);
   if (!status.ok()) reactor->End(status);
@@ -34,6 +34,7 @@ absl::Status WatchGraph::Subscribe(MapRegistry* registry, int server_max_nodes,
                                    const grpc::ByteBuffer& bytes) {
   RETURN_IF_ERROR(quota_.Open());
   ASSIGN_OR_RETURN(const v1::WatchGraphRequest request, Parse(bytes));
+  RETURN_IF_ERROR(access_.MayRead(request.map(), weak_from_this()));
   Subscription subscription;
   ASSIGN_OR_RETURN(subscription.query, ReadQuery(request.options(), server_max_nodes));
   ASSIGN_OR_RETURN(subscription.encoding,

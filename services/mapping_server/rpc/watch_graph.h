@@ -18,6 +18,7 @@
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/quota/stream_quota.h"
 #include "overtone/services/mapping_server/rpc/stream_age.h"
+#include "overtone/services/mapping_server/security/stream_access.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/v1/mapping_service.pb.h"
 
@@ -31,10 +32,11 @@ class WatchGraph : public WatchReactor,
                    public std::enable_shared_from_this<WatchGraph> {
  public:
   // `registry` outlives the server's calls.
-  static WatchReactor* Start(StreamQuota quota, MapRegistry* registry, const ServerOptions& options,
-                             const grpc::ByteBuffer& request);
+  static WatchReactor* Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                             const ServerOptions& options, const grpc::ByteBuffer& request);
 
-  explicit WatchGraph(StreamQuota quota) : quota_(std::move(quota)) {}
+  WatchGraph(StreamAccess access, StreamQuota quota)
+      : access_(std::move(access)), quota_(std::move(quota)) {}
 
   void Send(const grpc::ByteBuffer& frame) override;
   void End(const absl::Status& status) override;
@@ -50,6 +52,7 @@ class WatchGraph : public WatchReactor,
                          const grpc::ByteBuffer& request);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  StreamAccess access_;
   StreamQuota quota_;
   StreamAge age_;
   std::shared_ptr<WatchGraph> self_;  // until OnDone

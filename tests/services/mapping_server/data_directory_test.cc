@@ -5,8 +5,10 @@
 #include <fstream>
 #include <string>
 
+#include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
 
 namespace overtone {
 namespace {
@@ -71,7 +73,14 @@ TEST_F(DataDirectoryTest, WhatWasSetAsideOutlivesAnEmptyStore) {
   DataDirectory directory(path_);
   ASSERT_TRUE(directory.Open().ok());
   for (const char* map : {"a", "b"}) {
-    std::ofstream(*directory.Prepare(map)) << "store";
+    SubmapStore::Sink sink;
+    sink.on_finding = [](const std::string&) {};
+    auto store = SqliteSubmapStore::Open(*directory.Prepare(map), ServerLimits(), sink);
+    ASSERT_TRUE(store.ok()) << store.status();
+    ASSERT_TRUE((*store)->Replay().ok());
+    absl::Notification stored;
+    (*store)->AppendFinding({"epoch", {}}, [&](const absl::Status&) { stored.Notify(); });
+    stored.WaitForNotification();
     EXPECT_TRUE(directory.Has(map));
   }
   std::ofstream(path_ + "/maps/b/map.db.damaged") << "what is left";
