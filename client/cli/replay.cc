@@ -14,6 +14,7 @@
 #include "absl/time/clock.h"
 #include "overtone/client/cli/admin_client.h"
 #include "overtone/client/cli/interrupt.h"
+#include "overtone/client/cli/output_files.h"
 #include "overtone/client/cli/replay_input.h"
 #include "overtone/client/cli/replay_record.h"
 #include "overtone/client/cli/results.h"

@@ -6,18 +6,23 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/rpc/backup_map.h"
 #include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
+#include "overtone/services/mapping_server/rpc/housekeeping.h"
+#include "overtone/services/mapping_server/rpc/restore_map.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 
 namespace overtone {
 
 MapAdminService::MapAdminService(int64_t max_message_bytes, const AccessControl* access,
-                                 const MapRegistry* registry, const UploadSessions* sessions)
+                                 const MapRegistry* registry, const UploadSessions* sessions,
+                                 MapMaintenance* maintenance)
     : max_message_bytes_(max_message_bytes),
       access_(access),
       registry_(registry),
-      sessions_(sessions) {}
+      sessions_(sessions),
+      maintenance_(maintenance) {}
 
 template <typename Request, typename Call>
 grpc::ServerUnaryReactor* MapAdminService::Administer(grpc::CallbackServerContext* context,
@@ -108,6 +113,39 @@ grpc::ServerWriteReactor<v1::ExportMapResponse>* MapAdminService::ExportMap(
     grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) {
   const absl::Status may = access_->MayAdminister(*context, request->map());
   return new overtone::ExportMap(may.ok() ? MapFile(*registry_, *request) : may);
+}
+
+grpc::ServerWriteReactor<v1::BackupMapResponse>* MapAdminService::BackupMap(
+    grpc::CallbackServerContext* context, const v1::BackupMapRequest* request) {
+  return new overtone::BackupMap(maintenance_, context, request->map(),
+                                 access_->MayAdminister(*context, request->map()));
+}
+
+grpc::ServerReadReactor<v1::RestoreMapRequest>* MapAdminService::RestoreMap(
+    grpc::CallbackServerContext* context, v1::RestoreMapResponse* response) {
+  return new overtone::RestoreMap(maintenance_, access_, context, response);
+}
+
+grpc::ServerUnaryReactor* MapAdminService::VerifyMap(grpc::CallbackServerContext* context,
+                                                     const v1::VerifyMapRequest* request,
+                                                     v1::VerifyMapResponse* response) {
+  return Administer(context, *request,
+                    [&] { return overtone::VerifyMap(context, maintenance_, request, response); });
+}
+
+grpc::ServerUnaryReactor* MapAdminService::DeleteMission(grpc::CallbackServerContext* context,
+                                                         const v1::DeleteMissionRequest* request,
+                                                         v1::DeleteMissionResponse* response) {
+  return Administer(context, *request, [&] {
+    return overtone::DeleteMission(context, maintenance_, request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapAdminService::DeleteMap(grpc::CallbackServerContext* context,
+                                                     const v1::DeleteMapRequest* request,
+                                                     v1::DeleteMapResponse* response) {
+  return Administer(context, *request,
+                    [&] { return overtone::DeleteMap(context, maintenance_, request, response); });
 }
 
 }  // namespace overtone

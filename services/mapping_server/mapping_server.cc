@@ -61,9 +61,10 @@ MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<Serve
       security_(std::move(security)),
       quotas_(options.quotas),
       registry_(options),
+      maintenance_(options.limits, &registry_, &sessions_),
       mapping_service_(options, security_->access(), &quotas_, &registry_, &sessions_),
       map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
-                         &sessions_) {}
+                         &sessions_, &maintenance_) {}
 
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
@@ -110,6 +111,7 @@ void MappingServer::Shutdown(absl::Duration deadline) {
   const absl::Time end = absl::Now() + deadline;
   metrics_.reset();
   server_->GetHealthCheckService()->Shutdown();  // load balancers look elsewhere
+  maintenance_.Stop();
   sessions_.Stop();
   registry_.Stop();
   server_->Shutdown(absl::ToChronoTime(end));

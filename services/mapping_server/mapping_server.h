@@ -9,6 +9,7 @@
 #include "absl/time/time.h"
 #include "grpcpp/grpcpp.h"
 #include "overtone/services/mapping_server/map_admin_service.h"
+#include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
@@ -38,8 +39,8 @@ class MappingServer {
   void ReloadSecurity() { security_->Reload(); }
 
   // Says NOT_SERVING, ends the streams with UNAVAILABLE once what they sent is acknowledged, lets
-  // calls finish until `deadline` has passed, then cancels what is left. Calling it again does
-  // nothing.
+  // calls finish until `deadline` has passed, then cancels what is left. An operator's work on a
+  // whole map is finished. Calling it again does nothing.
   void Shutdown(absl::Duration deadline);
 
  private:
@@ -51,6 +52,7 @@ class MappingServer {
   RobotQuotas quotas_;
   MapRegistry registry_;
   UploadSessions sessions_;
+  MapMaintenance maintenance_;
   MappingService mapping_service_;
   MapAdminService map_admin_service_;
   std::unique_ptr<MetricsEndpoint> metrics_;

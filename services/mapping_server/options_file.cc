@@ -89,6 +89,7 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"limits.max_blob_bytes", Into(limits.max_blob_bytes)},
       {"limits.max_stored_blob_bytes", Into(limits.max_stored_blob_bytes)},
       {"limits.max_blobs_per_map", Into(limits.max_blobs_per_map)},
+      {"limits.max_restore_bytes", Into(limits.max_restore_bytes)},
       {"limits.max_watchers_per_map", Into(limits.max_watchers_per_map)},
       {"limits.max_concurrent_streams", Into(limits.max_concurrent_streams)},
       {"limits.max_connection_age_s", Into(limits.max_connection_age_s)},

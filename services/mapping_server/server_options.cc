@@ -62,6 +62,7 @@ absl::Status ServerLimits::Validate() const {
       InRange<int64_t>("max_blobs_per_map", max_blobs_per_map, 0, limits::kMaxKeyframeIndex));
   RETURN_IF_ERROR(InRange<int64_t>("max_blob_bytes", max_blob_bytes, 1, limits::kMaxBlobBytes));
   RETURN_IF_ERROR(InRange<int64_t>("max_stored_blob_bytes", max_stored_blob_bytes, 0, 1024 * kGiB));
+  RETURN_IF_ERROR(InRange<int64_t>("max_restore_bytes", max_restore_bytes, 1 << 20, 1024 * kGiB));
   RETURN_IF_ERROR(InRange("max_watchers_per_map", max_watchers_per_map, 1, 1'000'000));
   RETURN_IF_ERROR(InRange("max_concurrent_streams", max_concurrent_streams, 1, 1'000'000));
   return InRange("max_connection_age_s", max_connection_age_s, 0.0, 1e6);

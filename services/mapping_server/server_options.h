@@ -38,6 +38,8 @@ struct ServerLimits {
   int64_t max_stored_blob_bytes = 1 << 30;
   // 0: no limit. For clouds that are so small that the bytes say nothing.
   int64_t max_blobs_per_map = 1'000'000;
+  // A backup that is to be restored.
+  int64_t max_restore_bytes = int64_t{4} << 30;
   int max_watchers_per_map = 1000;
   // Streams on one connection.
   int max_concurrent_streams = 1000;

@@ -4,12 +4,14 @@
 #define OVERTONE_SERVICES_MAPPING_SERVER_RPC_UNARY_H_
 
 #include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "grpcpp/grpcpp.h"
 #include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/server_options.h"
+#include "overtone/services/mapping_server/submap_store.h"
 #include "overtone/v1/mapping_service.pb.h"
 
 namespace overtone {
@@ -39,6 +41,9 @@ absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& option
 absl::StatusOr<v1::GetUploadStateResponse> GetUploadState(const MapRegistry& registry,
                                                           const v1::GetUploadStateRequest& request);
 
+// InvalidArgument naming the field: not 1 to 2000, or one of them breaks a limit in submap.proto.
+absl::StatusOr<std::vector<LoopClosureRecord>> CheckClosures(
+    const v1::AddLoopClosuresRequest& request);
 // Finishes when the store has the closures.
 grpc::ServerUnaryReactor* AddLoopClosures(grpc::CallbackServerContext* context,
                                           const MapRegistry& registry,

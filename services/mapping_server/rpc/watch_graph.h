@@ -56,9 +56,11 @@ class WatchGraph : public WatchReactor,
   StreamQuota quota_;
   StreamAge age_;
   std::shared_ptr<WatchGraph> self_;  // until OnDone
-  std::shared_ptr<HostedMap> map_;    // until OnDone, and null for requests that were refused
 
   absl::Mutex mutex_;
+  // Until it ends: a peer that takes no more frames must not keep the map. Null for requests that
+  // were refused. May be let go on any thread (MapRegistry::Share).
+  std::shared_ptr<HostedMap> map_ ABSL_GUARDED_BY(mutex_);
   grpc::ByteBuffer frame_ ABSL_GUARDED_BY(mutex_);  // being written
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;

@@ -48,6 +48,11 @@ const std::map<std::string, Right>& Rights() {
       {"MapAdminService/RollBack", Right::kAdministerMap},
       {"MapAdminService/GetTrajectory", Right::kAdministerMap},
       {"MapAdminService/ExportMap", Right::kAdministerMap},
+      {"MapAdminService/BackupMap", Right::kAdministerMap},
+      {"MapAdminService/RestoreMap", Right::kAdministerMap},
+      {"MapAdminService/VerifyMap", Right::kAdministerMap},
+      {"MapAdminService/DeleteMission", Right::kAdministerMap},
+      {"MapAdminService/DeleteMap", Right::kAdministerMap},
   };
   return *rights;
 }

@@ -98,5 +98,17 @@ TEST_F(DataDirectoryTest, InMemoryNothingIsWritten) {
   EXPECT_FALSE(directory.Has("a"));
 }
 
+TEST_F(DataDirectoryTest, WhatAnEmptyMapLeavesOfItsStoreGoes) {
+  DataDirectory directory(path_);
+  ASSERT_TRUE(directory.Open().ok());
+  ASSERT_TRUE(directory.Prepare("a").ok());
+  for (const char* file : {"map.db", "map.db-wal", "map.db-shm", "map.db-mark"}) {
+    std::ofstream(path_ + "/maps/a/" + file) << "12345";
+  }
+  EXPECT_EQ(directory.BytesOf("a"), 20);
+  directory.RemoveEmpty("a");
+  EXPECT_THAT(directory.Maps(), IsEmpty());
+}
+
 }  // namespace
 }  // namespace overtone
