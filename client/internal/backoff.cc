@@ -4,15 +4,21 @@
 #include <algorithm>
 
 namespace overtone {
+namespace {
+
+// Longer than that no server knows the future.
+constexpr absl::Duration kLongestAsked = absl::Minutes(10);
+
+}  // namespace
 
 Backoff::Backoff(absl::Duration initial, absl::Duration max, uint64_t seed)
     : initial_(initial), max_(max), ceiling_(initial), random_(seed) {}
 
-absl::Duration Backoff::Next() {
+absl::Duration Backoff::Next(absl::Duration at_least) {
   const double share = std::uniform_real_distribution<double>(0.5, 1.0)(random_);
   const absl::Duration delay = share * ceiling_;
   ceiling_ = std::min(2 * ceiling_, max_);
-  return delay;
+  return std::max(delay, std::min(at_least, kLongestAsked));
 }
 
 bool IsAccessRefused(absl::StatusCode code) {

@@ -21,7 +21,8 @@ class Backoff {
   // 0 < initial <= max, both finite.
   Backoff(absl::Duration initial, absl::Duration max, uint64_t seed = std::random_device{}());
 
-  absl::Duration Next();
+  // `at_least`: what the server asked for (RetryDelayOf), followed up to ten minutes.
+  absl::Duration Next(absl::Duration at_least = absl::ZeroDuration());
   // As after many failures: for what does not get better soon.
   absl::Duration Longest();
 

@@ -51,7 +51,7 @@ void GraphSubscriber::Run() {
       if (link_state_ == LinkState::kLive) connecting_at_ = Clock::now() + kQuietTime;
       continue;
     }
-    const absl::Duration delay = backoff_.Next();
+    const absl::Duration delay = backoff_.Next(RetryDelayOf(status).value_or(absl::ZeroDuration()));
     OnInterrupted(status, delay);
     if (Await(absl::Condition(&stopping_), Clock::now() + absl::ToChronoNanoseconds(delay))) return;
   }

@@ -49,7 +49,7 @@ void LoopClosureUploader::Run() {
     const absl::Status status =
         GuardExceptions("loop closure upload", [this] { return SendFront(); });
     if (status.ok()) continue;
-    const absl::Duration delay = backoff_.Next();
+    const absl::Duration delay = backoff_.Next(RetryDelayOf(status).value_or(absl::ZeroDuration()));
     absl::MutexLock lock(&mutex_);
     has_work_ = true;
     if (stopping_) return;

@@ -60,7 +60,8 @@ absl::Duration SubmapUploader::DelayAfter(const absl::Status& status) {
   const bool gap = absl::IsDataLoss(status);
   const bool refused = IsAccessRefused(status.code());
   const absl::Duration delay =
-      gap || refused ? settings_.backoff.Longest() : settings_.backoff.Next();
+      gap || refused ? settings_.backoff.Longest()
+                     : settings_.backoff.Next(RetryDelayOf(status).value_or(absl::ZeroDuration()));
   if (gap && std::exchange(gap_told_, true)) return delay;
   if (refused) {
     logger_.Error("upload refused: ", status.ToString(), "; again in ",

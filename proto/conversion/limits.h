@@ -35,6 +35,10 @@ constexpr int kMaxAbsolutePosesPerSubmap = 2000;
 constexpr int kMaxLoopClosuresPerRequest = 2000;
 constexpr int64_t kMaxSubmapBytes = 1 << 20;
 
+// The largest request of all, a submap, with what is around it. Not more: decoded, a message of
+// many empty fields takes a hundred times its size.
+constexpr int64_t kMaxRequestBytes = kMaxSubmapBytes + (64 << 10);
+
 constexpr int kSha256Bytes = 32;
 constexpr int64_t kMaxBlobBytes = 16 << 20;
 constexpr int64_t kMaxBlobChunkBytes = 512 << 10;

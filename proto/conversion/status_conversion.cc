@@ -2,8 +2,12 @@
 #include "overtone/proto/conversion/status_conversion.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <utility>
 
 #include "absl/strings/ascii.h"
+#include "absl/strings/cord.h"
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
@@ -13,7 +17,11 @@ namespace overtone {
 namespace {
 
 constexpr char kDomain[] = "overtone";
-constexpr int kRetryAfterS = 1;
+constexpr absl::Duration kUnknownRetryDelay = absl::Seconds(1);
+constexpr absl::Duration kMaxRetryDelay = absl::Hours(24);
+// Payloads are text, so that a logged status can be read.
+constexpr char kRetryDelayUrl[] = "overtone/retry_delay";
+constexpr char kQuotaSubjectUrl[] = "overtone/quota_subject";
 
 bool IsPathCharacter(char c) {
   return absl::ascii_isalnum(c) || c == '_' || c == '.' || c == '[' || c == ']';
@@ -46,18 +54,38 @@ void AddBadRequest(absl::string_view message, google::rpc::Status& details) {
   details.add_details()->PackFrom(bad_request);
 }
 
-void AddQuotaFailure(absl::string_view message, google::rpc::Status& details) {
+void AddQuotaFailure(const absl::Status& status, absl::string_view message,
+                     google::rpc::Status& details) {
   google::rpc::QuotaFailure failure;
   google::rpc::QuotaFailure::Violation& violation = *failure.add_violations();
-  violation.set_subject(std::string(FieldPath(message)));
+  const absl::optional<std::string> subject = QuotaSubjectOf(status);
+  violation.set_subject(subject.has_value() ? HeaderSafe(*subject)
+                                            : std::string(FieldPath(message)));
   violation.set_description(std::string(message));
   details.add_details()->PackFrom(failure);
 }
 
-void AddRetryInfo(google::rpc::Status& details) {
+void AddRetryInfo(absl::Duration delay, google::rpc::Status& details) {
   google::rpc::RetryInfo retry;
-  retry.mutable_retry_delay()->set_seconds(kRetryAfterS);
+  const int64_t seconds = absl::IDivDuration(delay, absl::Seconds(1), &delay);
+  retry.mutable_retry_delay()->set_seconds(seconds);
+  retry.mutable_retry_delay()->set_nanos(static_cast<int32_t>(absl::ToInt64Nanoseconds(delay)));
   details.add_details()->PackFrom(retry);
+}
+
+// The details that say something new, back into the status.
+void TakeDetail(const google::protobuf::Any& detail, absl::Status& status) {
+  google::rpc::RetryInfo retry;
+  google::rpc::QuotaFailure quota;
+  if (detail.Is<google::rpc::RetryInfo>() && detail.UnpackTo(&retry)) {
+    const absl::Duration delay = absl::Seconds(retry.retry_delay().seconds()) +
+                                 absl::Nanoseconds(retry.retry_delay().nanos());
+    if (delay != kUnknownRetryDelay) status = WithRetryDelay(std::move(status), delay);
+  } else if (detail.Is<google::rpc::QuotaFailure>() && detail.UnpackTo(&quota)) {
+    if (quota.violations_size() == 0 || quota.violations(0).subject().empty()) return;
+    if (quota.violations(0).subject() == FieldPath(status.message())) return;
+    status.SetPayload(kQuotaSubjectUrl, absl::Cord(HeaderSafe(quota.violations(0).subject())));
+  }
 }
 
 bool HelpsToRetry(absl::StatusCode code) {
@@ -94,8 +122,10 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (absl::IsInvalidArgument(status) || absl::IsOutOfRange(status)) {
     AddBadRequest(message, details);
   }
-  if (absl::IsResourceExhausted(status)) AddQuotaFailure(message, details);
-  if (HelpsToRetry(status.code())) AddRetryInfo(details);
+  if (absl::IsResourceExhausted(status)) AddQuotaFailure(status, message, details);
+  if (HelpsToRetry(status.code())) {
+    AddRetryInfo(RetryDelayOf(status).value_or(kUnknownRetryDelay), details);
+  }
   return grpc::Status(static_cast<grpc::StatusCode>(status.code()), message,
                       details.SerializeAsString());
 }
@@ -103,8 +133,40 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
 absl::Status FromGrpcStatus(const grpc::Status& status) {
   const int code = status.error_code();
   const bool known = code >= 0 && code <= static_cast<int>(absl::StatusCode::kUnauthenticated);
-  return absl::Status(known ? static_cast<absl::StatusCode>(code) : absl::StatusCode::kUnknown,
+  absl::Status result(known ? static_cast<absl::StatusCode>(code) : absl::StatusCode::kUnknown,
                       status.error_message());
+  google::rpc::Status details;
+  if (result.ok() || !details.ParseFromString(status.error_details())) return result;
+  for (const google::protobuf::Any& detail : details.details()) TakeDetail(detail, result);
+  return result;
+}
+
+absl::Status QuotaExceeded(absl::string_view subject, absl::string_view what) {
+  absl::Status status = absl::ResourceExhaustedError(absl::StrCat(subject, ": ", what));
+  status.SetPayload(kQuotaSubjectUrl, absl::Cord(subject));
+  return status;
+}
+
+absl::optional<std::string> QuotaSubjectOf(const absl::Status& status) {
+  const absl::optional<absl::Cord> payload = status.GetPayload(kQuotaSubjectUrl);
+  if (!payload.has_value()) return absl::nullopt;
+  return std::string(*payload);
+}
+
+absl::Status WithRetryDelay(absl::Status status, absl::Duration delay) {
+  delay = std::min(std::max(delay, absl::ZeroDuration()), kMaxRetryDelay);
+  const int64_t milliseconds = absl::ToInt64Milliseconds(absl::Ceil(delay, absl::Milliseconds(1)));
+  status.SetPayload(kRetryDelayUrl, absl::Cord(absl::StrCat(milliseconds, "ms")));
+  return status;
+}
+
+absl::optional<absl::Duration> RetryDelayOf(const absl::Status& status) {
+  const absl::optional<absl::Cord> payload = status.GetPayload(kRetryDelayUrl);
+  absl::Duration delay;
+  if (!payload.has_value() || !absl::ParseDuration(std::string(*payload), &delay)) {
+    return absl::nullopt;
+  }
+  return delay;
 }
 
 }  // namespace overtone

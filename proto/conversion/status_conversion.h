@@ -7,6 +7,8 @@
 
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
+#include "absl/time/time.h"
+#include "absl/types/optional.h"
 #include "grpcpp/support/status.h"
 
 namespace overtone {
@@ -14,12 +16,25 @@ namespace overtone {
 // Besides code and message, the details carry a google.rpc.Status with
 //   ErrorInfo     domain "overtone", reason: the code's name, e.g. "INVALID_ARGUMENT"
 //   BadRequest    INVALID_ARGUMENT and OUT_OF_RANGE whose message begins with a field's path and a
-//   colon QuotaFailure  RESOURCE_EXHAUSTED: the subject is what comes before the message's colon
-//   RetryInfo     UNAVAILABLE, RESOURCE_EXHAUSTED, ABORTED: one second
+//                 colon
+//   QuotaFailure  RESOURCE_EXHAUSTED: the subject is the status' own (QuotaExceeded), or what comes
+//                 before the message's colon
+//   RetryInfo     UNAVAILABLE, RESOURCE_EXHAUSTED, ABORTED: the status' own delay
+//                 (WithRetryDelay), or one second
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
-// A code that is none of the 17 becomes UNKNOWN.
+// A code that is none of the 17 becomes UNKNOWN. The status has its own delay if the details give
+// one that is not the second said for want of knowledge.
 absl::Status FromGrpcStatus(const grpc::Status& status);
+
+// RESOURCE_EXHAUSTED "subject: what", for details of their own. A subject, e.g. "robot/anna/calls",
+// is whose quota and which.
+absl::Status QuotaExceeded(absl::string_view subject, absl::string_view what);
+absl::optional<std::string> QuotaSubjectOf(const absl::Status& status);
+
+// When another try may succeed: not negative, at most a day, up to the next millisecond.
+absl::Status WithRetryDelay(absl::Status status, absl::Duration delay);
+absl::optional<absl::Duration> RetryDelayOf(const absl::Status& status);
 
 // At most 1 kB of printable ASCII, fit for a header; other bytes are written \xNN.
 std::string HeaderSafe(absl::string_view message);

@@ -6,7 +6,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
-#include "spdlog/spdlog.h"
+#include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/log_limit.h"
 
 namespace overtone {
 
@@ -113,7 +114,8 @@ bool GraphPublisher::ServeReader(Reader& reader, absl::Time now) {
     const absl::StatusOr<grpc::ByteBuffer> frame =
         frames_.Frame(reader.subscription.query, reader.subscription.encoding, position);
     if (!frame.ok()) {
-      spdlog::warn("map {}: a watch ends: {}", map_, frame.status().ToString());
+      LogPeer(spdlog::level::warn, "watch ended", "map {}: a watch ends: {}", map_,
+              HeaderSafe(frame.status().ToString()));
       reader.reader->End(frame.status());
       return false;
     }

@@ -8,9 +8,10 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/services/mapping_server/checkpoint_codec.h"
+#include "overtone/services/mapping_server/log_limit.h"
 #include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
-#include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
@@ -142,7 +143,9 @@ void HostedMap::StoreFinding(const Finding& finding) {
   ++findings_under_way_;
   store_->AppendFinding(ToRecord(finding), [this](const absl::Status& status) {
     --findings_under_way_;
-    if (!status.ok()) spdlog::warn("map {}: a finding is lost: {}", id_, status.ToString());
+    if (status.ok()) return;
+    LogPeer(spdlog::level::warn, "finding lost", "map {}: a finding is lost: {}", id_,
+            HeaderSafe(status.ToString()));
   });
 }
 

@@ -8,7 +8,7 @@
 #include "overtone/core/mapping/loop_closure.h"
 #include "overtone/core/place_recognition/field_of_view.h"
 #include "overtone/proto/conversion/field_path.h"
-#include "spdlog/spdlog.h"
+#include "overtone/services/mapping_server/log_limit.h"
 
 namespace overtone {
 namespace {
@@ -174,7 +174,8 @@ void LoopDetector::Describe(const NodeId& node) {
   }
   const auto view = library_.View(node);
   if (!view.ok()) {
-    spdlog::warn("no loops at {}: {}", ToString(node), view.status().ToString());
+    LogPeer(spdlog::level::warn, "no loops", "no loops at {}: {}", ToString(node),
+            view.status().ToString());
     return;
   }
   auto search = std::make_shared<Search>();
@@ -199,8 +200,8 @@ absl::Status LoopDetector::Verify(LoopCandidate& candidate) {
   absl::Status status = from.ok() ? to.status() : from.status();
   if (status.ok()) status = verifier_->Verify(**from, **to, candidate);
   if (!status.ok()) {
-    spdlog::warn("{} and {} cannot be compared: {}", ToString(candidate.from),
-                 ToString(candidate.to), status.ToString());
+    LogPeer(spdlog::level::warn, "not compared", "{} and {} cannot be compared: {}",
+            ToString(candidate.from), ToString(candidate.to), status.ToString());
   }
   return status;
 }

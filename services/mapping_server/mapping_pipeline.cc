@@ -7,7 +7,8 @@
 #include <variant>
 
 #include "absl/time/clock.h"
-#include "spdlog/spdlog.h"
+#include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/log_limit.h"
 
 namespace overtone {
 namespace {
@@ -213,7 +214,10 @@ void MappingPipeline::Apply(const Work& work) {
   if (work.done != nullptr) return work.done(status);
   ++entries_;
   // The store let it through, so a refusal here is a defect of ours: say so, and go on without it.
-  if (!status.ok()) spdlog::error("the map refused what was stored: {}", status.ToString());
+  if (!status.ok()) {
+    LogPeer(spdlog::level::err, "refused by the map", "the map refused what was stored: {}",
+            HeaderSafe(status.ToString()));
+  }
 }
 
 void MappingPipeline::Iterate(const std::vector<Work>& work) {

@@ -12,6 +12,7 @@
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/limits.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -29,15 +30,23 @@ class WithoutReflection : public grpc::ServerBuilderOption {
   }
 };
 
+int Milliseconds(double seconds) { return static_cast<int>(1000 * seconds); }
+
 void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& builder) {
-  const int keepalive_ms = static_cast<int>(1000 * options.keepalive_s);
-  builder.SetMaxReceiveMessageSize(static_cast<int>(options.limits.max_message_bytes));
+  const int keepalive_ms = Milliseconds(options.keepalive_s);
+  builder.SetMaxReceiveMessageSize(static_cast<int>(limits::kMaxRequestBytes));
   builder.SetMaxSendMessageSize(static_cast<int>(options.limits.max_message_bytes));
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
                              options.limits.max_concurrent_streams);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, keepalive_ms);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, keepalive_ms);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  if (options.limits.max_connection_age_s > 0) {
+    const double age_s = options.limits.max_connection_age_s;
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_MS, Milliseconds(age_s));
+    // The youngest of its streams has as long to end itself.
+    builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_AGE_GRACE_MS, Milliseconds(age_s + 10));
+  }
   // Robots ping too, on idle links as well.
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 1000);
@@ -50,9 +59,10 @@ void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& bui
 MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security)
     : options_(options),
       security_(std::move(security)),
+      quotas_(options.quotas),
       registry_(options),
       maintenance_(options.limits, &registry_, &sessions_),
-      mapping_service_(options, security_->access(), &registry_, &sessions_),
+      mapping_service_(options, security_->access(), &quotas_, &registry_, &sessions_),
       map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
                          &sessions_, &maintenance_) {}
 
@@ -98,12 +108,13 @@ std::string MappingServer::address() const {
 void MappingServer::Shutdown(absl::Duration deadline) {
   if (server_ == nullptr) return;
   spdlog::info("shutting down");
+  const absl::Time end = absl::Now() + deadline;
   metrics_.reset();
   server_->GetHealthCheckService()->Shutdown();  // load balancers look elsewhere
   maintenance_.Stop();
   sessions_.Stop();
   registry_.Stop();
-  server_->Shutdown(absl::ToChronoTime(absl::Now() + deadline));
+  server_->Shutdown(absl::ToChronoTime(end));
   server_->Wait();
   server_.reset();
 }

@@ -13,6 +13,7 @@
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
+#include "overtone/services/mapping_server/quota/robot_quotas.h"
 #include "overtone/services/mapping_server/security/server_security.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
@@ -37,8 +38,9 @@ class MappingServer {
   // Looks at certificates and access rules now; see ServerSecurity::Reload.
   void ReloadSecurity() { security_->Reload(); }
 
-  // Ends the streams with UNAVAILABLE, lets calls finish until `deadline` has passed, then cancels
-  // what is left. An operator's work on a whole map is finished. Calling it again does nothing.
+  // Says NOT_SERVING, ends the streams with UNAVAILABLE once what they sent is acknowledged, lets
+  // calls finish until `deadline` has passed, then cancels what is left. An operator's work on a
+  // whole map is finished. Calling it again does nothing.
   void Shutdown(absl::Duration deadline);
 
  private:
@@ -47,6 +49,7 @@ class MappingServer {
 
   const ServerOptions options_;
   const std::unique_ptr<ServerSecurity> security_;
+  RobotQuotas quotas_;
   MapRegistry registry_;
   UploadSessions sessions_;
   MapMaintenance maintenance_;

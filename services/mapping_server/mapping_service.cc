@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/mapping_service.h"
 
-#include "overtone/proto/conversion/status_conversion.h"
+#include <string>
+
+#include "overtone/core/common/status_macros.h"
+#include "overtone/services/mapping_server/quota/quota_subject.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/services/mapping_server/rpc/upload_submaps.h"
 #include "overtone/services/mapping_server/rpc/watch_graph.h"
@@ -9,27 +12,43 @@
 namespace overtone {
 
 MappingService::MappingService(const ServerOptions& options, AccessControl* access,
-                               MapRegistry* registry, UploadSessions* sessions)
-    : options_(options), access_(access), registry_(registry), sessions_(sessions) {}
+                               RobotQuotas* quotas, MapRegistry* registry, UploadSessions* sessions)
+    : options_(options),
+      access_(access),
+      quotas_(quotas),
+      registry_(registry),
+      sessions_(sessions) {}
+
+absl::Status MappingService::Admit(const grpc::CallbackServerContext& context,
+                                   const absl::Status& allowed, absl::string_view robot) const {
+  const std::string peer = QuotaSubject(context, *access_);
+  RETURN_IF_ERROR(quotas_->AdmitCall(QuotaSubjectOfRobot(peer, robot)));
+  return allowed;
+}
+
+StreamQuota MappingService::Quota(const grpc::CallbackServerContext& context) const {
+  return StreamQuota(quotas_, QuotaSubject(context, *access_));
+}
 
 grpc::ServerUnaryReactor* MappingService::GetServerInfo(grpc::CallbackServerContext* context,
                                                         const v1::GetServerInfoRequest*,
                                                         v1::GetServerInfoResponse* response) {
-  return Answer(context, ServerInfo(options_), response);
+  return Guarded(context, Admit(*context, absl::OkStatus()),
+                 [&] { return Answer(context, ServerInfo(options_), response); });
 }
 
 grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>*
 MappingService::UploadSubmaps(grpc::CallbackServerContext* context) {
-  return overtone::UploadSubmaps::Start(StreamAccess(access_, *context), registry_, sessions_,
-                                        options_.limits);
+  return overtone::UploadSubmaps::Start(StreamAccess(access_, *context), Quota(*context), registry_,
+                                        sessions_, options_.limits);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerContext* context,
                                                          const v1::GetUploadStateRequest* request,
                                                          v1::GetUploadStateResponse* response) {
-  const absl::Status may =
-      access_->MayWrite(*context, request->map(), request->mission().robot(), "");
-  return Guarded(context, may, [&] {
+  const std::string& robot = request->mission().robot();
+  const absl::Status may = access_->MayWrite(*context, request->map(), robot, "");
+  return Guarded(context, Admit(*context, may, robot), [&] {
     return Answer(context, overtone::GetUploadState(*registry_, *request), response);
   });
 }
@@ -37,21 +56,23 @@ grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerCon
 grpc::ServerUnaryReactor* MappingService::AddLoopClosures(grpc::CallbackServerContext* context,
                                                           const v1::AddLoopClosuresRequest* request,
                                                           v1::AddLoopClosuresResponse* response) {
-  return Guarded(context, access_->MayAddClosures(*context, *request), [&] {
+  const absl::Status may = access_->MayAddClosures(*context, *request);
+  return Guarded(context, Admit(*context, may), [&] {
     return overtone::AddLoopClosures(context, *registry_, *request, response);
   });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MappingService::WatchGraph(
     grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
-  return overtone::WatchGraph::Start(StreamAccess(access_, *context), registry_,
-                                     options_.graph.max_nodes, *request);
+  return overtone::WatchGraph::Start(StreamAccess(access_, *context), Quota(*context), registry_,
+                                     options_, *request);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetGraph(grpc::CallbackServerContext* context,
                                                    const v1::GetGraphRequest* request,
                                                    v1::GetGraphResponse* response) {
-  return Guarded(context, access_->MayRead(*context, request->map()), [&] {
+  const absl::Status may = access_->MayRead(*context, request->map());
+  return Guarded(context, Admit(*context, may), [&] {
     return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
   });
 }

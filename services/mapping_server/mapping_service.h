@@ -4,6 +4,7 @@
 
 #include "grpcpp/grpcpp.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/quota/stream_quota.h"
 #include "overtone/services/mapping_server/security/access_control.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
@@ -20,12 +21,12 @@ using MappingServiceBase = v1::MappingService::WithCallbackMethod_GetServerInfo<
                     v1::MappingService::WithCallbackMethod_GetGraph<
                         v1::MappingService::Service>>>>>>;
 
-// The table of contents: what a robot calls, who may, and where it is done. Access control,
-// registry and sessions outlive the service.
+// The table of contents: what a robot calls, who may and how often, and where it is done. Access
+// control, quotas, registry and sessions outlive the service.
 class MappingService final : public MappingServiceBase {
  public:
-  MappingService(const ServerOptions& options, AccessControl* access, MapRegistry* registry,
-                 UploadSessions* sessions);
+  MappingService(const ServerOptions& options, AccessControl* access, RobotQuotas* quotas,
+                 MapRegistry* registry, UploadSessions* sessions);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -45,8 +46,14 @@ class MappingService final : public MappingServiceBase {
                                      v1::GetGraphResponse* response) override;
 
  private:
+  // Whether the call is within its caller's quota, and then `allowed`.
+  absl::Status Admit(const grpc::CallbackServerContext& context, const absl::Status& allowed,
+                     absl::string_view robot = "") const;
+  StreamQuota Quota(const grpc::CallbackServerContext& context) const;
+
   const ServerOptions options_;
   AccessControl* const access_;
+  RobotQuotas* const quotas_;
   MapRegistry* const registry_;
   UploadSessions* const sessions_;
 };

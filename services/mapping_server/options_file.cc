@@ -58,6 +58,7 @@ Key Into(T& option) {
 std::map<std::string, Key> Keys(ServerOptions& options) {
   SecurityOptions& security = options.security;
   ServerLimits& limits = options.limits;
+  QuotaOptions& quotas = options.quotas;
   PublisherOptions& publisher = options.publisher;
   GraphMonitorOptions& graph = options.graph;
   MultiRobotMapOptions& map = options.map;
@@ -83,11 +84,22 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"limits.max_missions_per_map", Into(limits.max_missions_per_map)},
       {"limits.max_keyframes_per_mission", Into(limits.max_keyframes_per_mission)},
       {"limits.max_loop_closures_per_map", Into(limits.max_loop_closures_per_map)},
+      {"limits.max_submaps_per_map", Into(limits.max_submaps_per_map)},
+      {"limits.max_keyframes_per_map", Into(limits.max_keyframes_per_map)},
       {"limits.max_blob_bytes", Into(limits.max_blob_bytes)},
       {"limits.max_stored_blob_bytes", Into(limits.max_stored_blob_bytes)},
+      {"limits.max_blobs_per_map", Into(limits.max_blobs_per_map)},
       {"limits.max_restore_bytes", Into(limits.max_restore_bytes)},
       {"limits.max_watchers_per_map", Into(limits.max_watchers_per_map)},
       {"limits.max_concurrent_streams", Into(limits.max_concurrent_streams)},
+      {"limits.max_connection_age_s", Into(limits.max_connection_age_s)},
+      {"quotas.max_streams", Into(quotas.max_streams)},
+      {"quotas.max_messages_per_s", Into(quotas.max_messages_per_s)},
+      {"quotas.messages_burst", Into(quotas.messages_burst)},
+      {"quotas.max_bytes_per_s", Into(quotas.max_bytes_per_s)},
+      {"quotas.bytes_burst", Into(quotas.bytes_burst)},
+      {"quotas.max_calls_per_s", Into(quotas.max_calls_per_s)},
+      {"quotas.calls_burst", Into(quotas.calls_burst)},
       {"publisher.heartbeat_s", Into(publisher.heartbeat_s)},
       {"publisher.history", Into(publisher.history)},
       {"publisher.max_variants", Into(publisher.max_variants)},

@@ -54,11 +54,18 @@ absl::Status ServerLimits::Validate() const {
                                    limits::kMaxKeyframeIndex));
   RETURN_IF_ERROR(InRange<int64_t>("max_loop_closures_per_map", max_loop_closures_per_map, 0,
                                    limits::kMaxKeyframeIndex));
+  RETURN_IF_ERROR(
+      InRange<int64_t>("max_submaps_per_map", max_submaps_per_map, 0, limits::kMaxSequence));
+  RETURN_IF_ERROR(InRange<int64_t>("max_keyframes_per_map", max_keyframes_per_map, 0,
+                                   limits::kMaxKeyframeIndex));
+  RETURN_IF_ERROR(
+      InRange<int64_t>("max_blobs_per_map", max_blobs_per_map, 0, limits::kMaxKeyframeIndex));
   RETURN_IF_ERROR(InRange<int64_t>("max_blob_bytes", max_blob_bytes, 1, limits::kMaxBlobBytes));
   RETURN_IF_ERROR(InRange<int64_t>("max_stored_blob_bytes", max_stored_blob_bytes, 0, 1024 * kGiB));
   RETURN_IF_ERROR(InRange<int64_t>("max_restore_bytes", max_restore_bytes, 1 << 20, 1024 * kGiB));
   RETURN_IF_ERROR(InRange("max_watchers_per_map", max_watchers_per_map, 1, 1'000'000));
-  return InRange("max_concurrent_streams", max_concurrent_streams, 1, 1'000'000);
+  RETURN_IF_ERROR(InRange("max_concurrent_streams", max_concurrent_streams, 1, 1'000'000));
+  return InRange("max_connection_age_s", max_connection_age_s, 0.0, 1e6);
 }
 
 absl::Status PublisherOptions::Validate() const {
@@ -78,6 +85,7 @@ absl::Status ServerOptions::Validate() const {
   RETURN_IF_ERROR(InRange("keepalive_s", keepalive_s, 1.0, 3600.0));
   RETURN_IF_ERROR(InRange("shutdown_s", shutdown_s, 0.0, 600.0));
   RETURN_IF_ERROR(AtField("limits", limits.Validate()));
+  RETURN_IF_ERROR(AtField("quotas", quotas.Validate()));
   RETURN_IF_ERROR(AtField("publisher", publisher.Validate()));
   RETURN_IF_ERROR(AtField("graph", graph.Validate()));
   RETURN_IF_ERROR(AtField("map", map.Validate()));

@@ -13,13 +13,15 @@
 #include "overtone/proto/conversion/graph_columns.h"
 #include "overtone/proto/conversion/published_graph.h"
 #include "overtone/services/mapping_server/loop_detector.h"
+#include "overtone/services/mapping_server/quota/quota_options.h"
 #include "overtone/services/mapping_server/security/security_options.h"
 
 namespace overtone {
 
 // What one peer or all of them may take. Beyond a limit: RESOURCE_EXHAUSTED.
 struct ServerLimits {
-  // Either direction. gRPC's own default for clients; above 1 MiB, the largest submap.
+  // What the server sends; gRPC's own default for clients. It takes requests of up to 1 MiB and
+  // 64 KiB (limits.h).
   int64_t max_message_bytes = 4 << 20;
   // Sent but not acknowledged, for each upload stream: a few large submaps hide the round trip.
   int64_t upload_window_bytes = 4 << 20;
@@ -27,14 +29,25 @@ struct ServerLimits {
   int max_missions_per_map = 1000;
   int64_t max_keyframes_per_mission = 1'000'000;
   int64_t max_loop_closures_per_map = 1'000'000;
+  // 0: no limit. Each submap costs about 0.1 kB of memory and a row; at one in ten seconds these
+  // are 11 days of driving. Keyframes are what the optimiser and every reader work on.
+  int64_t max_submaps_per_map = 100'000;
+  int64_t max_keyframes_per_map = 1'000'000;
   // One encoded cloud, and all that a map keeps: at 10 kB a keyframe the latter is 100,000 of them.
   int64_t max_blob_bytes = 16 << 20;
   int64_t max_stored_blob_bytes = 1 << 30;
+  // 0: no limit. For clouds that are so small that the bytes say nothing.
+  int64_t max_blobs_per_map = 1'000'000;
   // A backup that is to be restored.
   int64_t max_restore_bytes = int64_t{4} << 30;
   int max_watchers_per_map = 1000;
   // Streams on one connection.
   int max_concurrent_streams = 1000;
+  // Seconds after which a connection says GOAWAY (10 % sooner or later, so that not all come back
+  // at once) and a stream ends itself; 0: never. Load is balanced anew then, and what has changed
+  // about names and certificates is noticed. Streams end within it again as long, and what is left
+  // is cut 10 s later.
+  double max_connection_age_s = 3600;
 
   absl::Status Validate() const;
 };
@@ -65,11 +78,13 @@ struct ServerOptions {
   bool reflection = true;
   // A dead peer is noticed after this and as long again; it also keeps NATs from forgetting us.
   double keepalive_s = 10.0;
-  // What streams and calls get to finish in on SIGTERM.
-  double shutdown_s = 3.0;
+  // What streams and calls get to finish in on SIGTERM, whatever their peers do. Closing the maps
+  // comes after it.
+  double shutdown_s = 5.0;
 
   SecurityOptions security;
   ServerLimits limits;
+  QuotaOptions quotas;
   PublisherOptions publisher;
   GraphMonitorOptions graph;
   MultiRobotMapOptions map;

@@ -53,7 +53,7 @@ void UploadSessions::Stop() {
     streams.swap(streams_);
   }
   for (const auto& [key, stream] : streams) {
-    stream->End(absl::UnavailableError("the server is shutting down"));
+    stream->Drain(absl::UnavailableError("the server is shutting down"));
   }
 }
 

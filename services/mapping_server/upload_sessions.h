@@ -18,7 +18,10 @@ namespace overtone {
 class UploadStream {
  public:
   virtual ~UploadStream() = default;
+  // At once.
   virtual void End(const absl::Status& status) = 0;
+  // When all that was read from it is answered; no more is read.
+  virtual void Drain(const absl::Status& status) = 0;
 };
 
 // Thread-safe.
@@ -36,7 +39,7 @@ class UploadSessions {
 
   bool IsOpen(const std::string& map, const std::string& robot) const;
 
-  // Ends all with UNAVAILABLE and opens no others.
+  // Drains all with UNAVAILABLE and opens no others.
   void Stop();
 
  private:

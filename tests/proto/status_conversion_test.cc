@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/proto/conversion/status_conversion.h"
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "gmock/gmock.h"
@@ -71,6 +73,52 @@ TEST(StatusConversion, WhatHelpsToRetrySaysWhen) {
     const bool quota = status_code == absl::StatusCode::kResourceExhausted;
     EXPECT_EQ(Find<google::rpc::QuotaFailure>(details).violations_size(), quota ? 1 : 0) << code;
   }
+}
+
+TEST(StatusConversion, AStatusCarriesItsOwnDelayAndSubjectThereAndBack) {
+  for (const absl::Duration delay :
+       {absl::ZeroDuration(), absl::Milliseconds(1), absl::Milliseconds(2750), absl::Hours(3)}) {
+    const absl::Status status =
+        WithRetryDelay(QuotaExceeded("robot/anna/calls", "at most 5 per second"), delay);
+    const grpc::Status sent = ToGrpcStatus(status);
+    const auto violation = Find<google::rpc::QuotaFailure>(Details(sent)).violations(0);
+    EXPECT_EQ(violation.subject(), "robot/anna/calls");
+    EXPECT_EQ(violation.description(), "robot/anna/calls: at most 5 per second");
+    const auto retry = Find<google::rpc::RetryInfo>(Details(sent)).retry_delay();
+    EXPECT_EQ(retry.seconds() * 1'000'000'000 + retry.nanos(), absl::ToInt64Nanoseconds(delay));
+    const absl::Status received = FromGrpcStatus(sent);
+    EXPECT_EQ(RetryDelayOf(received), delay);
+    EXPECT_EQ(QuotaSubjectOf(received), "robot/anna/calls");
+    EXPECT_EQ(received, status);
+  }
+}
+
+TEST(StatusConversion, DelaysAreRoundedUpAndKeptWithinADay) {
+  const auto kept = [](absl::Duration delay) {
+    return *RetryDelayOf(WithRetryDelay(absl::UnavailableError("later"), delay));
+  };
+  EXPECT_EQ(kept(absl::Nanoseconds(1)), absl::Milliseconds(1));
+  EXPECT_EQ(kept(absl::Seconds(-5)), absl::ZeroDuration());
+  EXPECT_EQ(kept(absl::InfiniteDuration()), absl::Hours(24));
+}
+
+// Whatever a server puts there.
+TEST(StatusConversion, HostileDetailsDoNoHarm) {
+  google::rpc::RetryInfo retry;
+  retry.mutable_retry_delay()->set_seconds(std::numeric_limits<int64_t>::max());
+  retry.mutable_retry_delay()->set_nanos(-2'000'000'000);
+  google::rpc::QuotaFailure quota;
+  quota.add_violations()->set_subject("a\nb");
+  google::rpc::Status details;
+  details.add_details()->PackFrom(retry);
+  details.add_details()->PackFrom(quota);
+  const absl::Status received =
+      FromGrpcStatus(grpc::Status(grpc::StatusCode::UNAVAILABLE, "x", details.SerializeAsString()));
+  EXPECT_EQ(RetryDelayOf(received), absl::Hours(24));
+  EXPECT_EQ(QuotaSubjectOf(received), "a\\x0ab");
+  const absl::Status garbage =
+      FromGrpcStatus(grpc::Status(grpc::StatusCode::UNAVAILABLE, "x", "\x01\xff garbage"));
+  EXPECT_EQ(garbage, absl::UnavailableError("x"));
 }
 
 TEST(StatusConversion, MessagesAreCappedAndPrintable) {

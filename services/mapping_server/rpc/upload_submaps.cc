@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/rpc/upload_submaps.h"
 
+#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -12,9 +13,9 @@
 #include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/log_limit.h"
 #include "overtone/services/mapping_server/rpc/upload_frames.h"
 #include "overtone/services/mapping_server/submap_digest.h"
-#include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
@@ -24,22 +25,27 @@ constexpr size_t kMaxAnswers = 64;
 
 }  // namespace
 
-UploadReactor* UploadSubmaps::Start(StreamAccess access, MapRegistry* registry,
+UploadReactor* UploadSubmaps::Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
                                     UploadSessions* sessions, const ServerLimits& limits) {
-  auto reactor = std::make_shared<UploadSubmaps>(std::move(access), registry, sessions, limits);
+  auto reactor = std::make_shared<UploadSubmaps>(std::move(access), std::move(quota), registry,
+                                                 sessions, limits);
   reactor->self_ = reactor;
+  const absl::Status admitted = reactor->quota_.Open();
   absl::MutexLock lock(&reactor->mutex_);
+  if (!admitted.ok()) reactor->ending_ = admitted;
+  reactor->age_.Start(absl::Seconds(limits.max_connection_age_s), std::weak_ptr(reactor));
   reactor->Advance();
   return reactor.get();
 }
 
-UploadSubmaps::UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
-                             const ServerLimits& limits)
+UploadSubmaps::UploadSubmaps(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                             UploadSessions* sessions, const ServerLimits& limits)
     : access_(std::move(access)),
       registry_(registry),
       sessions_(sessions),
       window_bytes_(limits.upload_window_bytes),
-      assembly_(limits.max_blob_bytes) {}
+      assembly_(limits.max_blob_bytes),
+      quota_(std::move(quota)) {}
 
 void UploadSubmaps::End(const absl::Status& status) {
   absl::MutexLock lock(&mutex_);
@@ -48,18 +54,44 @@ void UploadSubmaps::End(const absl::Status& status) {
   Advance();
 }
 
+void UploadSubmaps::Drain(const absl::Status& status) {
+  absl::MutexLock lock(&mutex_);
+  if (!draining_.has_value()) draining_ = status;
+  Advance();
+}
+
 void UploadSubmaps::OnReadDone(bool ok) {
   absl::Status status;
+  absl::Duration pause;
+  if (ok) pause = quota_.Charge(static_cast<int64_t>(request_.ByteSizeLong()));
   if (!ok && map_id_.empty()) {
     status = InvalidField("header", "the stream ended before it");
   } else if (ok) {
     status = OnFrame();
   }
+  // Decoded, a message of many empty fields takes a hundred times its size.
+  request_ = v1::UploadSubmapsRequest();
   absl::MutexLock lock(&mutex_);
   reading_ = false;
   half_closed_ = half_closed_ || !ok;
   if (!status.ok() && !ending_.has_value()) ending_ = status;
+  if (pause > absl::ZeroDuration()) PauseReading(pause);
   Advance();
+}
+
+void UploadSubmaps::PauseReading(absl::Duration pause) {
+  LogPeer(spdlog::level::info, "upload slowed", "map {}: {} is over its quota; read on in {} ms",
+          map_id_, ToString(mission_), absl::ToInt64Milliseconds(pause));
+  paused_ = true;
+  quota_alarm_.Set(std::chrono::system_clock::now() + absl::ToChronoMicroseconds(pause),
+                   // The alarm is ours and keeps its function: a shared pointer would never go.
+                   [weak = weak_from_this()](bool) {
+                     const std::shared_ptr<UploadSubmaps> self = weak.lock();
+                     if (self == nullptr) return;
+                     absl::MutexLock lock(&self->mutex_);
+                     self->paused_ = false;
+                     self->Advance();
+                   });
 }
 
 absl::Status UploadSubmaps::OnFrame() {
@@ -81,6 +113,7 @@ absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
       access_.MayWrite(header.map(), header.mission().robot(), "header.", weak_from_this()));
   RETURN_IF_ERROR(ValidateId(header.map(), "header.map"));
   ASSIGN_OR_RETURN(MissionId mission, AtField("header.mission", FromProto(header.mission())));
+  RETURN_IF_ERROR(quota_.SetRobot(mission.robot));
   map_id_ = header.map();
   mission_ = std::move(mission);
   // Before the map is held: a change of the whole map ends those it knows, and waits for all.
@@ -90,7 +123,8 @@ absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
   if (map.ok()) RETURN_IF_ERROR(SetMap(*map));
   const int64_t next_sequence = map.ok() ? (*map)->store().State(mission_).next_sequence : 0;
-  spdlog::info("map {}: {} uploads from submap {}", map_id_, ToString(mission_), next_sequence);
+  LogPeer(spdlog::level::info, "upload opened", "map {}: {} uploads from submap {}", map_id_,
+          ToString(mission_), next_sequence);
   absl::MutexLock lock(&mutex_);
   Answer(ReadyFrame(next_sequence, window_bytes_));
   if (next_sequence > 0) AskForBlobs(**map);
@@ -192,8 +226,8 @@ void UploadSubmaps::PutBlob(const std::shared_ptr<HostedMap>& map, const std::st
 
 void UploadSubmaps::AnswerBlob(const std::string& sha256, const absl::Status& status) {
   if (!status.ok()) {
-    spdlog::warn("map {}: {}: cloud not stored: {}", map_id_, ToString(mission_),
-                 HeaderSafe(status.ToString()));
+    LogPeer(spdlog::level::warn, "cloud not stored", "map {}: {}: cloud not stored: {}", map_id_,
+            ToString(mission_), HeaderSafe(status.ToString()));
   }
   asked_.erase(sha256);
   no_room_ = no_room_ || absl::IsResourceExhausted(status);
@@ -217,8 +251,8 @@ void UploadSubmaps::AskForBlobs(const HostedMap& map) {
 
 void UploadSubmaps::Reject(int64_t sequence, const absl::Status& status,
                            int64_t expected_sequence) {
-  spdlog::warn("map {}: {}: submap {} rejected: {}", map_id_, ToString(mission_), sequence,
-               HeaderSafe(status.ToString()));
+  LogPeer(spdlog::level::warn, "submap rejected", "map {}: {}: submap {} rejected: {}", map_id_,
+          ToString(mission_), sequence, HeaderSafe(status.ToString()));
   absl::MutexLock lock(&mutex_);
   Answer(RejectFrame(sequence, status, expected_sequence));
 }
@@ -259,11 +293,14 @@ void UploadSubmaps::Advance() {
     StartWrite(&answers_.front());
   }
   const bool room = waiting_bytes_ < window_bytes_ && answers_.size() < kMaxAnswers;
-  if (!reading_ && !half_closed_ && room) {
+  const bool no_more = half_closed_ || draining_.has_value();
+  if (!reading_ && !paused_ && !no_more && room) {
     reading_ = true;
     StartRead(&request_);
   }
-  if (half_closed_ && waiting_ == 0 && !writing_) FinishWith(absl::OkStatus());
+  if (no_more && waiting_ == 0 && !writing_) {
+    FinishWith(half_closed_ ? absl::OkStatus() : *draining_);
+  }
 }
 
 void UploadSubmaps::FinishWith(const absl::Status& status) {
@@ -290,6 +327,9 @@ void UploadSubmaps::OnDone() {
     absl::MutexLock lock(&mutex_);
     map_.reset();
   }
+  quota_.Close();
+  quota_alarm_.Cancel();
+  age_.Stop();
   self_.reset();
 }
 

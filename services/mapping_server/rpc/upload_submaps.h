@@ -12,10 +12,13 @@
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/types/optional.h"
+#include "grpcpp/alarm.h"
 #include "grpcpp/support/server_callback.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/quota/stream_quota.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
+#include "overtone/services/mapping_server/rpc/stream_age.h"
 #include "overtone/services/mapping_server/security/stream_access.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
@@ -25,21 +28,22 @@ namespace overtone {
 
 using UploadReactor = grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>;
 
-// Reads on while less than the window is waiting for the store and the peer takes its answers;
-// otherwise it stops reading, and HTTP/2's flow control stops the peer. Lives until gRPC is done
-// with it and nobody else holds it.
+// Reads on while less than the window is waiting for the store, the peer takes its answers and its
+// robot keeps to its quota; otherwise it stops reading, and HTTP/2's flow control stops the peer.
+// Lives until gRPC is done with it and nobody else holds it.
 class UploadSubmaps : public UploadReactor,
                       public UploadStream,
                       public std::enable_shared_from_this<UploadSubmaps> {
  public:
   // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
-  static UploadReactor* Start(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
-                              const ServerLimits& limits);
+  static UploadReactor* Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                              UploadSessions* sessions, const ServerLimits& limits);
 
-  UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
-                const ServerLimits& limits);
+  UploadSubmaps(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                UploadSessions* sessions, const ServerLimits& limits);
 
   void End(const absl::Status& status) override;
+  void Drain(const absl::Status& status) override;
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -71,6 +75,7 @@ class UploadSubmaps : public UploadReactor,
   void Answer(v1::UploadSubmapsResponse response) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Whatever can go on goes on: reading, writing, the end.
   void Advance() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void PauseReading(absl::Duration pause) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   StreamAccess access_;
@@ -84,6 +89,9 @@ class UploadSubmaps : public UploadReactor,
   std::string map_id_;  // empty until the header
   MissionId mission_;
   BlobAssembly assembly_;
+  StreamQuota quota_;
+  StreamAge age_;
+  grpc::Alarm quota_alarm_;  // set between reads, cancelled after the last
 
   absl::Mutex mutex_;
   // Null until the first good submap, or when the map is there; null again once the stream is to
@@ -96,10 +104,12 @@ class UploadSubmaps : public UploadReactor,
   absl::flat_hash_map<std::string, int64_t> asked_ ABSL_GUARDED_BY(mutex_);
   bool no_room_ ABSL_GUARDED_BY(mutex_) = false;  // for blobs: ask for no more
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;
+  bool paused_ ABSL_GUARDED_BY(mutex_) = false;  // over the quota, until the alarm
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool half_closed_ ABSL_GUARDED_BY(mutex_) = false;  // the peer sends no more
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
-  absl::optional<absl::Status> ending_ ABSL_GUARDED_BY(mutex_);  // after the write under way
+  absl::optional<absl::Status> draining_ ABSL_GUARDED_BY(mutex_);  // read no more, then end so
+  absl::optional<absl::Status> ending_ ABSL_GUARDED_BY(mutex_);    // after the write under way
 };
 
 }  // namespace overtone

@@ -20,17 +20,19 @@ absl::StatusOr<v1::WatchGraphRequest> Parse(grpc::ByteBuffer bytes) {
 
 }  // namespace
 
-WatchReactor* WatchGraph::Start(StreamAccess access, MapRegistry* registry, int server_max_nodes,
-                                const grpc::ByteBuffer& request) {
-  auto reactor = std::make_shared<WatchGraph>(std::move(access));
+WatchReactor* WatchGraph::Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                                const ServerOptions& options, const grpc::ByteBuffer& request) {
+  auto reactor = std::make_shared<WatchGraph>(std::move(access), std::move(quota));
   reactor->self_ = reactor;
-  const absl::Status status = reactor->Subscribe(registry, server_max_nodes, request);
+  const absl::Status status = reactor->Subscribe(registry, options.graph.max_nodes, request);
   if (!status.ok()) reactor->End(status);
+  reactor->age_.Start(absl::Seconds(options.limits.max_connection_age_s), std::weak_ptr(reactor));
   return reactor.get();
 }
 
 absl::Status WatchGraph::Subscribe(MapRegistry* registry, int server_max_nodes,
                                    const grpc::ByteBuffer& bytes) {
+  RETURN_IF_ERROR(quota_.Open());
   ASSIGN_OR_RETURN(const v1::WatchGraphRequest request, Parse(bytes));
   RETURN_IF_ERROR(access_.MayRead(request.map(), weak_from_this()));
   Subscription subscription;
@@ -95,6 +97,8 @@ void WatchGraph::OnDone() {
     map = std::move(map_);
   }
   if (map != nullptr) map->publisher().Unsubscribe(this);
+  quota_.Close();
+  age_.Stop();
   self_.reset();
 }
 

@@ -16,7 +16,10 @@
 #include "grpcpp/support/server_callback.h"
 #include "overtone/services/mapping_server/graph_publisher.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/quota/stream_quota.h"
+#include "overtone/services/mapping_server/rpc/stream_age.h"
 #include "overtone/services/mapping_server/security/stream_access.h"
+#include "overtone/services/mapping_server/server_options.h"
 #include "overtone/v1/mapping_service.pb.h"
 
 namespace overtone {
@@ -29,13 +32,16 @@ class WatchGraph : public WatchReactor,
                    public std::enable_shared_from_this<WatchGraph> {
  public:
   // `registry` outlives the server's calls.
-  static WatchReactor* Start(StreamAccess access, MapRegistry* registry, int server_max_nodes,
-                             const grpc::ByteBuffer& request);
+  static WatchReactor* Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
+                             const ServerOptions& options, const grpc::ByteBuffer& request);
 
-  explicit WatchGraph(StreamAccess access) : access_(std::move(access)) {}
+  WatchGraph(StreamAccess access, StreamQuota quota)
+      : access_(std::move(access)), quota_(std::move(quota)) {}
 
   void Send(const grpc::ByteBuffer& frame) override;
   void End(const absl::Status& status) override;
+  // There is nothing to wait for but the frame under way.
+  void Drain(const absl::Status& status) { End(status); }
 
   void OnWriteDone(bool ok) override;
   void OnCancel() override;
@@ -47,6 +53,8 @@ class WatchGraph : public WatchReactor,
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   StreamAccess access_;
+  StreamQuota quota_;
+  StreamAge age_;
   std::shared_ptr<WatchGraph> self_;  // until OnDone
 
   absl::Mutex mutex_;

@@ -6,6 +6,11 @@
 #include "overtone/services/mapping_server/upload_rules.h"
 
 namespace overtone {
+namespace {
+
+bool Exceeds(int64_t count, int64_t limit) { return limit > 0 && count > limit; }
+
+}  // namespace
 
 absl::StatusOr<bool> BatchPlan::AdmitSubmap(const SubmapRecord& record) {
   const Submap& submap = *record.submap;
@@ -33,6 +38,8 @@ absl::StatusOr<bool> BatchPlan::AdmitSubmap(const SubmapRecord& record) {
   mission.state.next_sequence = submap.sequence + 1;
   mission.state.next_index = submap.first_index + static_cast<int64_t>(submap.keyframes.size());
   mission.state.last_stamp = submap.keyframes.back().stamp;
+  ++new_submaps_;
+  new_keyframes_ += static_cast<int64_t>(submap.keyframes.size());
   new_closures_ += static_cast<int64_t>(submap.loop_closures.size());
   for (const KeyframeCloud& cloud : submap.clouds) awaited_.insert(cloud.sha256);
   return true;
@@ -54,7 +61,22 @@ absl::Status BatchPlan::CheckLimits(const SubmapRecord& record, const UploadStat
     return absl::ResourceExhaustedError(
         absl::StrCat("mission: the map has ", num_missions, " already, its limit"));
   }
+  RETURN_IF_ERROR(CheckMapLimits(submap));
   return AdmitClosures(submap.loop_closures.size());
+}
+
+absl::Status BatchPlan::CheckMapLimits(const Submap& submap) const {
+  if (Exceeds(index_.NumSubmaps() + new_submaps_ + 1, limits_.max_submaps_per_map)) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("sequence: the map may have ", limits_.max_submaps_per_map, " submaps"));
+  }
+  const int64_t num_keyframes =
+      index_.NumKeyframes() + new_keyframes_ + static_cast<int64_t>(submap.keyframes.size());
+  if (Exceeds(num_keyframes, limits_.max_keyframes_per_map)) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("keyframes: the map may have ", limits_.max_keyframes_per_map));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status BatchPlan::AdmitClosures(size_t count) const {
@@ -78,6 +100,11 @@ absl::StatusOr<bool> BatchPlan::AdmitBlob(const std::string& sha256, int64_t byt
   if (index_.BlobBytes() + blob_bytes_ + bytes > limits_.max_stored_blob_bytes) {
     return absl::ResourceExhaustedError(
         absl::StrCat("blob: the map may keep ", limits_.max_stored_blob_bytes, " bytes of clouds"));
+  }
+  const int64_t num_blobs = index_.NumBlobs() + static_cast<int64_t>(blobs_.size());
+  if (Exceeds(num_blobs + 1, limits_.max_blobs_per_map)) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("blob: the map may keep ", limits_.max_blobs_per_map, " clouds"));
   }
   blobs_.insert(sha256);
   blob_bytes_ += bytes;

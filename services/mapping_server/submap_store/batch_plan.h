@@ -58,6 +58,7 @@ class BatchPlan {
   };
 
   absl::Status CheckLimits(const SubmapRecord& record, const UploadState& state) const;
+  absl::Status CheckMapLimits(const Submap& submap) const;
   bool HasMission(const MissionId& mission) const;
 
   const StoreIndex& index_;
@@ -66,6 +67,8 @@ class BatchPlan {
   bool changes_ = false;
   std::map<MissionId, Mission> missions_;
   int64_t new_missions_ = 0;
+  int64_t new_submaps_ = 0;
+  int64_t new_keyframes_ = 0;
   int64_t new_closures_ = 0;
   absl::flat_hash_set<std::string> closures_;
   absl::flat_hash_set<std::string> blobs_;

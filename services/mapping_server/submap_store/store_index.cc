@@ -61,6 +61,21 @@ int64_t StoreIndex::NumMissions() const {
   return static_cast<int64_t>(missions_.size());
 }
 
+int64_t StoreIndex::NumSubmaps() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return num_submaps_;
+}
+
+int64_t StoreIndex::NumKeyframes() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return num_keyframes_;
+}
+
+int64_t StoreIndex::NumBlobs() const {
+  absl::ReaderMutexLock lock(&mutex_);
+  return static_cast<int64_t>(blobs_.size());
+}
+
 int64_t StoreIndex::NumClosures() const {
   absl::ReaderMutexLock lock(&mutex_);
   return num_submap_closures_ + static_cast<int64_t>(closure_digests_.size());
@@ -111,6 +126,8 @@ std::vector<KeyframeCloud> StoreIndex::AddSubmap(const SubmapRecord& record, abs
   mission.state.next_index = submap.first_index + static_cast<int64_t>(submap.keyframes.size());
   mission.state.last_stamp = submap.keyframes.back().stamp;
   mission.state.stored_at = stored_at;
+  ++num_submaps_;
+  num_keyframes_ += static_cast<int64_t>(submap.keyframes.size());
   num_submap_closures_ += static_cast<int64_t>(submap.loop_closures.size());
   std::vector<KeyframeCloud> there;
   for (const KeyframeCloud& cloud : submap.clouds) {
@@ -168,7 +185,12 @@ void StoreIndex::DropMission(const MissionId& mission, int64_t submap_closures,
                              const std::vector<std::string>& sha256s,
                              const std::vector<std::string>& closures) {
   absl::MutexLock lock(&mutex_);
-  missions_.erase(mission);
+  const auto dropped = missions_.find(mission);
+  if (dropped != missions_.end()) {
+    num_submaps_ -= dropped->second.state.next_sequence;
+    num_keyframes_ -= dropped->second.state.next_index;
+    missions_.erase(dropped);
+  }
   clouds_.Forget(mission);
   num_submap_closures_ -= submap_closures;
   for (const std::string& digest : closures) closure_digests_.erase(digest);
@@ -207,6 +229,8 @@ void StoreIndex::TakeFrom(StoreIndex& other) {
   absl::MutexLock other_lock(&other.mutex_);
   missions_ = std::exchange(other.missions_, {});
   closure_digests_ = std::exchange(other.closure_digests_, {});
+  num_submaps_ = std::exchange(other.num_submaps_, 0);
+  num_keyframes_ = std::exchange(other.num_keyframes_, 0);
   num_submap_closures_ = std::exchange(other.num_submap_closures_, 0);
   clouds_ = std::exchange(other.clouds_, {});
   blobs_ = std::exchange(other.blobs_, {});

@@ -39,6 +39,9 @@ class StoreIndex {
   // Of a submap that is there.
   std::string Digest(const MissionId& mission, int64_t sequence) const;
   int64_t NumMissions() const;
+  int64_t NumSubmaps() const;
+  int64_t NumKeyframes() const;
+  int64_t NumBlobs() const;
   // Those of submaps and those that came alone.
   int64_t NumClosures() const;
   bool HasClosure(const std::string& digest) const;
@@ -84,6 +87,8 @@ class StoreIndex {
   mutable absl::Mutex mutex_;
   std::map<MissionId, Mission> missions_ ABSL_GUARDED_BY(mutex_);
   absl::flat_hash_set<std::string> closure_digests_ ABSL_GUARDED_BY(mutex_);
+  int64_t num_submaps_ ABSL_GUARDED_BY(mutex_) = 0;
+  int64_t num_keyframes_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t num_submap_closures_ ABSL_GUARDED_BY(mutex_) = 0;
   CloudLedger clouds_ ABSL_GUARDED_BY(mutex_);
   absl::flat_hash_map<std::string, IndexedBlob> blobs_ ABSL_GUARDED_BY(mutex_);

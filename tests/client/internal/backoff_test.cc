@@ -24,6 +24,13 @@ TEST(Backoff, StartsOverAfterSuccess) {
   EXPECT_LE(backoff.Next(), absl::Milliseconds(100));
 }
 
+TEST(Backoff, WaitsAsLongAsTheServerAskedWithinReason) {
+  Backoff backoff(absl::Milliseconds(100), absl::Seconds(1), /*seed=*/3);
+  EXPECT_EQ(backoff.Next(absl::Seconds(7)), absl::Seconds(7));
+  EXPECT_LE(backoff.Next(absl::Milliseconds(1)), absl::Milliseconds(200));
+  EXPECT_EQ(backoff.Next(absl::Hours(24)), absl::Minutes(10));
+}
+
 // A team that lost its server together must not come back in one instant: the earliest half of 100
 // robots is spread over a good part of the window.
 TEST(Backoff, ATeamSpreadsOut) {

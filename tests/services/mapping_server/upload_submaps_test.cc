@@ -273,7 +273,7 @@ TEST_F(UploadSubmapsTest, ASubmapAboveOneMebibyteIsRejected) {
   v1::Submap submap = ToProto(MakeSubmap(0, 0, 10));
   submap.mutable_loop_closures();
   v1::LoopClosure& closure = *submap.add_loop_closures();
-  closure.mutable_from()->mutable_mission()->set_robot(std::string(2 << 20, 'a'));
+  closure.mutable_from()->mutable_mission()->set_robot(std::string(1 << 20, 'a'));
   const auto answer = uploader.Send(submap);
   EXPECT_EQ(answer.reject().code(), static_cast<int>(absl::StatusCode::kInvalidArgument));
   EXPECT_THAT(answer.reject().message(), HasSubstr("1 MiB"));

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/quota/rate_limit.h"
+
+#include <algorithm>
+
+namespace overtone {
+
+void RateLimit::Refill(absl::Time now) {
+  if (now <= refilled_) return;
+  // The first time an infinite time has passed.
+  tokens_ = std::min(burst_, tokens_ + absl::ToDoubleSeconds(now - refilled_) * per_s_);
+  refilled_ = now;
+}
+
+absl::Duration RateLimit::TryTake(double tokens, absl::Time now) {
+  if (per_s_ == 0) return absl::ZeroDuration();
+  Refill(now);
+  tokens = std::min(tokens, burst_);
+  if (tokens_ < tokens) return Until(tokens - tokens_);
+  tokens_ -= tokens;
+  return absl::ZeroDuration();
+}
+
+absl::Duration RateLimit::Charge(double tokens, absl::Time now) {
+  if (per_s_ == 0) return absl::ZeroDuration();
+  Refill(now);
+  tokens_ -= tokens;
+  return tokens_ < 0 ? Until(-tokens_) : absl::ZeroDuration();
+}
+
+bool RateLimit::IsFull(absl::Time now) {
+  if (per_s_ == 0) return true;
+  Refill(now);
+  return tokens_ >= burst_;
+}
+
+}  // namespace overtone
