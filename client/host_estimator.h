@@ -40,11 +40,18 @@ class HostEstimator {
   // The server refused a submap for good (InvalidArgument, AlreadyExists, ...): the reason, once
   // for each. A submap that follows a refused one cannot be stored without it and is refused too;
   // AddSubmap then expects the first of them anew. (After AlreadyExists the mission goes on: the
-  // server holds that sequence, with other content.)
+  // server holds that sequence, with other content.) With an outbox on disk it may be told again
+  // after a restart that came in between.
+  //
+  // DataLoss: the server expects an earlier submap, which is not there any more: it lost it, or an
+  // operator deleted the mission, or the outbox's file was damaged. `sequence` is the first that
+  // waits; nothing is thrown away, but nothing goes up either unless the server finds what it
+  // lost. Start a new mission. Told once.
   virtual void OnSubmapRejected(int64_t /*sequence*/, const absl::Status& /*reason*/) {}
 
-  // Clouds that will never reach the map, `total` since the client began: the outbox was full, or
-  // the server would not have them. Their keyframes are not affected.
+  // Clouds that will never reach the map, `total` of this mission so far: the outbox was full, they
+  // could not be encoded (not finite, too wide), or the server would not have them. Their keyframes
+  // are not affected.
   virtual void OnCloudsDropped(int64_t /*total*/) {}
 
   // The server refused a batch of AddLoopClosures for good; none of it is kept.

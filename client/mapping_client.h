@@ -5,6 +5,7 @@
 #define OVERTONE_CLIENT_MAPPING_CLIENT_H_
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -29,8 +30,17 @@ struct MappingClientStats {
   int64_t bytes_received = 0;
   int64_t reconnects = 0;
   int64_t clouds_dropped = 0;  // HostEstimator::OnCloudsDropped
-  uint64_t revision = 0;       // of the newest graph
+  // Sequences: with all before it, what survives the end of the process, and a loss of power. -1:
+  // none, or no outbox_dir.
+  int64_t persisted_through = -1;
+  int64_t synced_through = -1;
+  bool outbox_on_disk = false;   // false: no outbox_dir, or the disk fails and it goes on in memory
+  int64_t missions_waiting = 0;  // earlier ones, of which something is left to go up
+  uint64_t revision = 0;         // of the newest graph
   int64_t comparisons = 0;
+  // The robot's clock minus the server's, seconds, and what it is certainly within. NaN: not known.
+  double clock_offset_s = std::numeric_limits<double>::quiet_NaN();
+  double clock_offset_uncertainty_s = std::numeric_limits<double>::quiet_NaN();
 };
 
 // What one comparison did, for logs and plots.
@@ -41,9 +51,16 @@ struct SynchronizationReport {
   double compare_ms = 0;            // graph, filter, selection; without the host's own work
 };
 
-// Thread-safe. Owns four threads (submaps up, loop closures up, graphs down, and the one that calls
-// the host) beside gRPC's own. The destructor stops them within a second, or when the host returns
-// from the call it is in, and keeps nothing waiting.
+// The next submap of the mission.
+struct SubmapPosition {
+  int64_t sequence = 0;
+  int64_t first_index = 0;
+};
+
+// Thread-safe. Owns five threads (submaps into the outbox, submaps up, loop closures up, graphs
+// down, and the one that calls the host), while something of earlier missions is left three more,
+// beside gRPC's own. The destructor stops them within a second, or when the host returns from the
+// call it is in; what was handed over is then in outbox_dir, or lost if there is none.
 class MappingClient {
  public:
   // `host` must outlive the client. InvalidArgument naming the option. Does not wait for the
@@ -52,19 +69,31 @@ class MappingClient {
                                                                HostEstimator* host);
   virtual ~MappingClient() = default;
 
-  // Hands over the next submap: sequence and first_index follow the previous one's. Returns at
-  // once; its clouds are encoded here, in the caller's thread: below a millisecond for 20,000
-  // points. InvalidArgument naming the field; OutOfRange: not the next one; ResourceExhausted:
-  // outbox full, try again. A full outbox drops the clouds of the oldest submaps first
-  // (HostEstimator::OnCloudsDropped), keyframes never.
+  // What AddSubmap expects next: the first submap, or where the mission goes on after a restart
+  // (outbox_dir) or after OnSubmapRejected. What was handed over before a restart and had not
+  // persisted is wanted anew.
+  virtual SubmapPosition NextSubmap() const = 0;
+
+  // Hands over the next submap: sequence and first_index follow the previous one's. Checks it and
+  // returns; its clouds are encoded and written to disk by the client's own thread, and must not
+  // change any more. Once WaitUntilPersisted has returned, or `persisted_through` is that far, it
+  // survives. InvalidArgument naming the field; OutOfRange: not the next one; ResourceExhausted:
+  // outbox full, try again. A full outbox drops the clouds of the oldest submaps first, and so
+  // does one that more than 64 MiB of clouds not encoded yet wait for (OnCloudsDropped); keyframes
+  // never.
   virtual absl::Status AddSubmap(const Submap& submap) = 0;
 
   // Closures found between submaps, or between this robot and another. Same rules.
   virtual absl::Status AddLoopClosures(const std::vector<LoopClosure>& closures) = 0;
 
-  // Waits until everything handed over, clouds too, is acknowledged. DeadlineExceeded otherwise;
-  // the reason if the server refused something for good since the last call
-  // (HostEstimator::OnSubmapRejected tells what).
+  // Waits until everything handed over so far is encoded and, with outbox_dir, on disk: it survives
+  // the end of the process from then on (not a loss of power: MappingClientStats::synced_through).
+  // DeadlineExceeded otherwise.
+  virtual absl::Status WaitUntilPersisted(absl::Duration timeout) = 0;
+
+  // Waits until everything handed over of this mission, clouds too, is acknowledged.
+  // DeadlineExceeded otherwise; the reason if the server refused something for good since the last
+  // call (HostEstimator::OnSubmapRejected tells what).
   virtual absl::Status WaitUntilAcknowledged(absl::Duration timeout) = 0;
 
   // Waits for a graph that holds keyframe `index` of this mission (a server that has mapped it) and

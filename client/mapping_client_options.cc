@@ -8,6 +8,9 @@
 namespace overtone {
 namespace {
 
+// Below it a submap of a megabyte takes more than a quarter of an hour.
+constexpr int64_t kMinUploadBytesPerS = 1000;
+
 absl::Status CheckPositive(absl::Duration duration, absl::string_view field) {
   if (duration > absl::ZeroDuration() && duration < absl::InfiniteDuration())
     return absl::OkStatus();
@@ -27,6 +30,12 @@ absl::Status MappingClientOptions::Validate() const {
                                                    limits::kMaxSubmapBytes, " (one submap), got ",
                                                    outbox_capacity_bytes));
   }
+  RETURN_IF_ERROR(CheckPositive(outbox_sync_interval, "outbox_sync_interval"));
+  if (max_upload_bytes_per_s != 0 && max_upload_bytes_per_s < kMinUploadBytesPerS) {
+    return absl::InvalidArgumentError(absl::StrCat("max_upload_bytes_per_s: 0 or at least ",
+                                                   kMinUploadBytesPerS, ", got ",
+                                                   max_upload_bytes_per_s));
+  }
   const absl::Status cloud_status = clouds.Validate();
   if (!cloud_status.ok()) {
     return absl::Status(cloud_status.code(), absl::StrCat("clouds.", cloud_status.message()));
@@ -41,6 +50,7 @@ absl::Status MappingClientOptions::Validate() const {
   RETURN_IF_ERROR(CheckPositive(initial_backoff, "initial_backoff"));
   RETURN_IF_ERROR(CheckPositive(max_backoff, "max_backoff"));
   RETURN_IF_ERROR(CheckPositive(stale_after, "stale_after"));
+  RETURN_IF_ERROR(CheckPositive(clock_offset_warning, "clock_offset_warning"));
   if (initial_backoff > max_backoff) {
     return absl::InvalidArgumentError("initial_backoff: larger than max_backoff");
   }

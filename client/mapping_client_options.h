@@ -25,6 +25,15 @@ struct MappingClientOptions {
   // What waits for the server's acknowledgement. When full, the oldest clouds are dropped; when
   // there are none any more, AddSubmap answers ResourceExhausted.
   int64_t outbox_capacity_bytes = 256 << 20;
+  // Where it waits, one file for each mission; made if it does not exist. It survives the end of
+  // the process: a mission then goes on where MappingClient::NextSubmap says, and what is left of
+  // this robot's other missions goes up too. Empty: in memory, and lost with the process. One
+  // directory for each server.
+  std::string outbox_dir;
+  // At least so often what waits is made to survive a loss of power, too.
+  absl::Duration outbox_sync_interval = absl::Seconds(1);
+  // Bound on what goes up, for radios: 0: none. Poses still go before clouds.
+  int64_t max_upload_bytes_per_s = 0;
   // How clouds are encoded.
   CloudCodecOptions clouds;
 
@@ -44,6 +53,10 @@ struct MappingClientOptions {
   absl::Duration max_backoff = absl::Seconds(4);
   // Nothing heard for so long: LinkState::kStale.
   absl::Duration stale_after = absl::Seconds(15);
+
+  // Warn in the log when the robot's clock is certainly further than this from the server's. The
+  // mission itself does not depend on it: stamps are compared with those of the same robot only.
+  absl::Duration clock_offset_warning = absl::Milliseconds(500);
 
   SynchronizationOptions synchronization;
 

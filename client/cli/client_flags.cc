@@ -83,6 +83,9 @@ void AddClientFlags(CLI::App* app, ClientFlags* flags) {
       ->check(CLI::IsMember({"compact", "plain"}))
       ->capture_default_str()
       ->group(group);
+  app->add_option("--outbox", flags->outbox,
+                  "Directory in which what the server has not acknowledged survives the robot's "
+                  "process; none: in memory");
   app->add_option("--seed", flags->seed, "Of everything random")->capture_default_str();
 }
 
@@ -100,6 +103,7 @@ void ClientFlags::ApplyTo(MappingClientOptions* options) const {
   options->whole_map = multi_robot_graph;
   options->max_nodes = max_nodes;
   options->compact = encoding == "compact";
+  options->outbox_dir = outbox;
 }
 
 std::vector<std::pair<std::string, std::string>> ClientFlags::Describe() const {
@@ -121,6 +125,7 @@ std::vector<std::string> ClientFlags::ToArguments() const {
     arguments.push_back(absl::StrCat("--", name, "=", value));
   }
   if (multi_robot_graph) arguments.push_back("--multi-robot-graph");
+  if (!outbox.empty()) arguments.push_back(absl::StrCat("--outbox=", outbox));
   return arguments;
 }
 

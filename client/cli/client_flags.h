@@ -24,6 +24,7 @@ struct ClientFlags {
   int max_nodes = 0;
   double min_discrepancy = SelectionOptions().min_discrepancy;
   bool multi_robot_graph = false;
+  std::string outbox;  // a directory; empty: in memory
   uint64_t seed = 1;
 
   // Into the client's own options. The values were checked when they were parsed.

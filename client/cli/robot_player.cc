@@ -97,7 +97,25 @@ absl::StatusOr<std::unique_ptr<RobotPlayer>> RobotPlayer::Create(RobotRecording 
   options.min_time_between_comparisons = absl::InfiniteDuration();
   auto player = absl::WrapUnique(new RobotPlayer(std::move(recording), timeout));
   ASSIGN_OR_RETURN(player->client_, MappingClient::Create(std::move(options), &player->estimator_));
+  RETURN_IF_ERROR(player->GoOn());
   return player;
+}
+
+// With an outbox on disk, after what an earlier process of this mission handed over.
+absl::Status RobotPlayer::GoOn() {
+  const SubmapPosition next = client_->NextSubmap();
+  if (next.first_index > recording_.keyframes.size()) {
+    return absl::FailedPreconditionError(absl::StrCat("the outbox goes on at keyframe ",
+                                                      next.first_index,
+                                                      ", which the recording does not have"));
+  }
+  RETURN_IF_ERROR(AddToEstimator(0, next.first_index));
+  next_index_ = next.first_index;
+  next_sequence_ = next.sequence;
+  for (const LoopClosure& closure : recording_.closures) {
+    closures_sent_ += ComesToLight(closure.from, closure.to, 0, next_index_);
+  }
+  return absl::OkStatus();
 }
 
 double RobotPlayer::TimeOf(int64_t index) const {
@@ -166,12 +184,16 @@ absl::Status RobotPlayer::Upload(int64_t begin, int64_t end) {
   return absl::OkStatus();
 }
 
-// A full outbox empties as the server acknowledges.
+// A full outbox empties as the server acknowledges. A recording is read faster than its clouds are
+// encoded: one submap at a time.
 absl::Status RobotPlayer::Hand(const Submap& submap) {
-  const absl::Status status = client_->AddSubmap(submap);
-  if (!absl::IsResourceExhausted(status)) return status;
-  RETURN_IF_ERROR(client_->WaitUntilAcknowledged(timeout_));
-  return client_->AddSubmap(submap);
+  absl::Status status = client_->AddSubmap(submap);
+  if (absl::IsResourceExhausted(status)) {
+    RETURN_IF_ERROR(client_->WaitUntilAcknowledged(timeout_));
+    status = client_->AddSubmap(submap);
+  }
+  RETURN_IF_ERROR(status);
+  return client_->WaitUntilPersisted(timeout_);
 }
 
 bool RobotPlayer::ComesToLight(const NodeId& from, const NodeId& to, int64_t begin,

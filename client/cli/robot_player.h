@@ -39,6 +39,7 @@ class RobotPlayer {
  private:
   RobotPlayer(RobotRecording recording, absl::Duration timeout);
 
+  absl::Status GoOn();
   int64_t EndOfSubmap(int64_t begin, double time_s) const;
   absl::Status AddToEstimator(int64_t begin, int64_t end);
   absl::Status Upload(int64_t begin, int64_t end);

@@ -15,6 +15,18 @@ absl::Duration Backoff::Next() {
   return delay;
 }
 
+absl::Duration Backoff::Longest() {
+  ceiling_ = max_;
+  return Next();
+}
+
+bool QuietRestart::Allows(bool worked, const absl::Status& end, Clock::time_point now) {
+  if (!worked || !(end.ok() || absl::IsUnavailable(end))) return false;
+  if (last_.has_value() && now - *last_ < kInterval) return false;
+  last_ = now;
+  return true;
+}
+
 bool IsRetryable(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kUnavailable:

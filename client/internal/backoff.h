@@ -3,7 +3,9 @@
 #ifndef OVERTONE_CLIENT_INTERNAL_BACKOFF_H_
 #define OVERTONE_CLIENT_INTERNAL_BACKOFF_H_
 
+#include <chrono>
 #include <cstdint>
+#include <optional>
 #include <random>
 
 #include "absl/status/status.h"
@@ -20,6 +22,8 @@ class Backoff {
   Backoff(absl::Duration initial, absl::Duration max, uint64_t seed = std::random_device{}());
 
   absl::Duration Next();
+  // As after many failures: for what does not get better soon.
+  absl::Duration Longest();
 
   // After success: the next delay starts from `initial` again.
   void Reset() { ceiling_ = initial_; }
@@ -29,6 +33,21 @@ class Backoff {
   const absl::Duration max_;
   absl::Duration ceiling_;
   std::mt19937_64 random_;
+};
+
+// Servers close connections that have become old, and restart; a stream that worked and then ends
+// that way is begun anew at once, and nobody need hear of it. But only once in kInterval: a server
+// that does so again and again is out of order. Not thread-safe.
+class QuietRestart {
+ public:
+  using Clock = std::chrono::steady_clock;
+  static constexpr Clock::duration kInterval = std::chrono::seconds(10);
+
+  // `worked`: something was heard on the stream. `end`: how it ended.
+  bool Allows(bool worked, const absl::Status& end, Clock::time_point now);
+
+ private:
+  std::optional<Clock::time_point> last_;
 };
 
 // The codes that may get better by trying again (mapping_service.proto).

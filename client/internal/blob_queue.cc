@@ -5,50 +5,67 @@
 #include <utility>
 
 namespace overtone {
-namespace {
 
-int64_t Size(const WaitingBlob& blob) { return static_cast<int64_t>(blob.bytes->size()); }
-
-}  // namespace
-
-void BlobQueue::Push(WaitingBlob blob) {
-  bytes_ += Size(blob);
-  blobs_.push_back(std::move(blob));
+void BlobQueue::Push(OutboxItem blob) {
+  bytes_ += blob.size;
+  ++count_[blob.sha256];
+  items_.push_back(std::move(blob));
 }
 
-void BlobQueue::PopFront() {
-  bytes_ -= Size(blobs_.front());
-  blobs_.pop_front();
+void BlobQueue::Forget(const OutboxItem& blob) {
+  bytes_ -= blob.size;
+  const auto it = count_.find(blob.sha256);
+  if (--it->second == 0) count_.erase(it);
 }
 
-SharedBytes BlobQueue::Find(const std::string& sha256) const {
-  const auto it = std::find_if(blobs_.begin(), blobs_.end(),
-                               [&](const WaitingBlob& blob) { return blob.sha256 == sha256; });
-  return it == blobs_.end() ? nullptr : it->bytes;
+OutboxItem BlobQueue::PopFront() {
+  OutboxItem blob = std::move(items_.front());
+  items_.pop_front();
+  Forget(blob);
+  return blob;
 }
 
-int64_t BlobQueue::Remove(const std::string& sha256) {
-  int64_t removed = 0;
-  for (auto it = blobs_.begin(); it != blobs_.end();) {
-    if (it->sha256 != sha256) {
-      ++it;
-      continue;
-    }
-    bytes_ -= Size(*it);
-    it = blobs_.erase(it);
-    ++removed;
+const OutboxItem* BlobQueue::Find(const std::string& sha256) const {
+  if (!count_.contains(sha256)) return nullptr;
+  return &*std::find_if(items_.begin(), items_.end(),
+                        [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
+}
+
+std::vector<OutboxItem> BlobQueue::Remove(const std::string& sha256) {
+  std::vector<OutboxItem> removed;
+  const auto count = count_.find(sha256);
+  for (int64_t left = count == count_.end() ? 0 : count->second; left > 0; --left) {
+    const auto it = std::find_if(items_.begin(), items_.end(),
+                                 [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
+    Forget(*it);
+    removed.push_back(std::move(*it));
+    items_.erase(it);
   }
   return removed;
 }
 
-void BlobQueue::RemoveThrough(int64_t sequence) {
-  while (!blobs_.empty() && blobs_.front().sequence <= sequence) PopFront();
+int64_t BlobQueue::RemoveIf(const std::function<bool(const OutboxItem&)>& condition) {
+  const int64_t before = size();
+  for (const OutboxItem& blob : items_) {
+    if (condition(blob)) Forget(blob);
+  }
+  items_.erase(std::remove_if(items_.begin(), items_.end(), condition), items_.end());
+  return before - size();
 }
 
-void BlobQueue::RemoveFrom(int64_t sequence) {
-  for (; !blobs_.empty() && blobs_.back().sequence >= sequence; blobs_.pop_back()) {
-    bytes_ -= Size(blobs_.back());
+std::vector<OutboxItem> BlobQueue::RemoveThrough(int64_t sequence) {
+  std::vector<OutboxItem> removed;
+  while (!empty() && items_.front().sequence <= sequence) removed.push_back(PopFront());
+  return removed;
+}
+
+std::vector<OutboxItem> BlobQueue::RemoveFrom(int64_t sequence) {
+  std::vector<OutboxItem> removed;
+  for (; !empty() && items_.back().sequence >= sequence; items_.pop_back()) {
+    Forget(items_.back());
+    removed.push_back(std::move(items_.back()));
   }
+  return removed;
 }
 
 }  // namespace overtone

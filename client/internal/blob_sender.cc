@@ -46,32 +46,34 @@ absl::Status BlobSender::OnResult(const v1::UploadBlobResult& result) {
   return absl::OkStatus();
 }
 
-std::optional<v1::UploadSubmapsRequest> BlobSender::Next(int64_t window_bytes) {
+std::optional<v1::UploadSubmapsRequest> BlobSender::Next(int64_t window_bytes,
+                                                         int64_t max_chunk_bytes) {
   // What has been handed over since then of the same submaps.
   outbox_->RemoveBlobsThrough(nothing_lacks_through_);
-  if (sending_.has_value()) return NextChunk();
+  if (sending_.has_value()) return NextChunk(max_chunk_bytes);
   if (wanted_.empty()) return std::nullopt;
-  SharedBytes bytes = outbox_->FindBlob(wanted_.front());
+  const std::optional<int64_t> known_size = outbox_->BlobSize(wanted_.front());
   // A host that started over hands over again all that the server has, from the first submap on.
-  if (bytes == nullptr && outbox_->LastSequence() < acknowledged_through_) return std::nullopt;
-  const int64_t size = bytes == nullptr ? 0 : static_cast<int64_t>(bytes->size());
+  if (!known_size && outbox_->LastSequence() < acknowledged_through_) return std::nullopt;
+  const int64_t size = known_size.value_or(0);
   const bool fits = in_flight_bytes_ + size <= window_bytes / 4;
   if (!fits && in_flight_bytes_ > 0) return std::nullopt;  // the next result makes room
   std::string sha256 = std::move(wanted_.front());
   wanted_.pop_front();
   if (!in_flight_.emplace(sha256, size).second) return std::nullopt;
   in_flight_bytes_ += size;
+  SharedBytes bytes = outbox_->FindBlob(sha256);
   if (bytes == nullptr) return Gone(sha256);
   sending_ = Sending{std::move(sha256), std::move(bytes)};
-  return NextChunk();
+  return NextChunk(max_chunk_bytes);
 }
 
-v1::UploadSubmapsRequest BlobSender::NextChunk() {
+v1::UploadSubmapsRequest BlobSender::NextChunk(int64_t max_chunk_bytes) {
   v1::UploadSubmapsRequest request;
   v1::BlobChunk& chunk = *request.mutable_blob();
   chunk.set_sha256(sending_->sha256);
   chunk.set_offset(static_cast<int64_t>(sending_->offset));
-  chunk.set_data(sending_->bytes->substr(sending_->offset, limits::kMaxBlobChunkBytes));
+  chunk.set_data(sending_->bytes->substr(sending_->offset, max_chunk_bytes));
   sending_->offset += chunk.data().size();
   if (sending_->offset == sending_->bytes->size()) sending_.reset();
   return request;

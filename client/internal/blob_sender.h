@@ -10,6 +10,7 @@
 #include "absl/container/flat_hash_map.h"
 #include "absl/status/status.h"
 #include "overtone/client/internal/submap_outbox.h"
+#include "overtone/proto/conversion/limits.h"
 #include "overtone/v1/mapping_service.pb.h"
 
 namespace overtone {
@@ -30,7 +31,8 @@ class BlobSender {
   // The next chunk that may go out; none: nothing is wanted, or a quarter of the window is
   // unanswered (so little of it, because poses queue up behind what is under way), or the host
   // started over and may yet hand over what is wanted.
-  std::optional<v1::UploadSubmapsRequest> Next(int64_t window_bytes);
+  std::optional<v1::UploadSubmapsRequest> Next(
+      int64_t window_bytes, int64_t max_chunk_bytes = limits::kMaxBlobChunkBytes);
 
   int64_t bytes_in_flight() const { return in_flight_bytes_; }
 
@@ -41,7 +43,7 @@ class BlobSender {
     size_t offset = 0;
   };
 
-  v1::UploadSubmapsRequest NextChunk();
+  v1::UploadSubmapsRequest NextChunk(int64_t max_chunk_bytes);
   v1::UploadSubmapsRequest Gone(const std::string& sha256);
 
   SubmapOutbox* const outbox_;

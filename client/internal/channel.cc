@@ -10,8 +10,9 @@ namespace overtone {
 namespace {
 
 constexpr absl::Duration kKeepaliveTime = absl::Seconds(10);  // a ping after so much silence ...
-constexpr absl::Duration kKeepaliveTimeout =
-    absl::Seconds(5);  // ... and the link is dead without an answer
+// ... and the link is dead without an answer. On a link of 64 kbit/s the ping waits for the 64 KiB
+// of HTTP/2's window that are before it: eight seconds.
+constexpr absl::Duration kKeepaliveTimeout = absl::Seconds(10);
 constexpr absl::Duration kConnectTimeout =
     absl::Seconds(3);  // a lost SYN must not cost gRPC's 20 s
 // A graph of 300,000 nodes in PLAIN, a million in COMPACT. gRPC's default of 4 MB holds 20,000 in

@@ -4,19 +4,28 @@
 
 #include <vector>
 
-#include "absl/status/statusor.h"
-#include "overtone/client/internal/blob_queue.h"
+#include "absl/status/status.h"
+#include "overtone/client/internal/submap_outbox.h"
 #include "overtone/core/graph/point_cloud_codec.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/v1/submap.pb.h"
 
 namespace overtone {
 
-// The submap's clouds as they go over the wire. `message` is ToProto(submap); its references get
-// what names the blobs. InvalidArgument naming the field: a cloud is missing or cannot be encoded.
-absl::StatusOr<std::vector<WaitingBlob>> EncodeClouds(const Submap& submap,
-                                                      const CloudCodecOptions& options,
-                                                      v1::Submap& message);
+// What can be said of the submap's clouds before they are encoded. `message` is ToProto(submap);
+// its references get stand-ins for what names the blobs, no shorter than that will be, so that it
+// can be checked. InvalidArgument naming the field: a cloud is missing, or there are too many.
+absl::Status AnnounceClouds(const Submap& submap, v1::Submap& message);
+
+struct EncodedClouds {
+  std::vector<WaitingBlob> blobs;
+  std::vector<absl::Status> failures;  // of clouds that cannot be encoded, naming the field
+};
+
+// The clouds as they go over the wire. `message` refers to each of them in this order; its
+// references get what names the blobs, and those to clouds that cannot be encoded go.
+EncodedClouds EncodeClouds(const std::vector<KeyframeCloud>& clouds,
+                           const CloudCodecOptions& options, v1::Submap& message);
 
 }  // namespace overtone
 

@@ -10,6 +10,12 @@
 #include "overtone/proto/conversion/status_conversion.h"
 
 namespace overtone {
+namespace {
+
+// What a server that closes an old connection needs to take the next one.
+constexpr std::chrono::seconds kQuietTime(1);
+
+}  // namespace
 
 GraphSubscriber::GraphSubscriber(v1::MappingService::Stub* stub, v1::WatchGraphRequest request,
                                  Backoff backoff, absl::Duration stale_after,
@@ -39,6 +45,10 @@ void GraphSubscriber::Run() {
       absl::MutexLock lock(&mutex_);
       if (stopping_) return;
     }
+    if (quiet_restart_.Allows(heard_on_this_stream_, status, Clock::now())) {
+      if (link_state_ == LinkState::kLive) connecting_at_ = Clock::now() + kQuietTime;
+      continue;
+    }
     const absl::Duration delay = backoff_.Next();
     logger_.Warning("graph stream interrupted: ", status.ToString(), "; again in ",
                     absl::FormatDuration(delay));
@@ -48,6 +58,7 @@ void GraphSubscriber::Run() {
 }
 
 absl::Status GraphSubscriber::RunStream() {
+  heard_on_this_stream_ = false;
   request_.set_after_revision(resumable_ ? graph_->revision : 0);
   request_.set_map_epoch(resumable_ ? graph_->map_epoch : 0);
   counters_->bytes_sent += request_.ByteSizeLong();
@@ -66,7 +77,6 @@ absl::Status GraphSubscriber::HandleFrames(WatchStream& stream) {
     mutex_.AssertHeld();
     return stopping_ || stream.HasMessage() || stream.Ended();
   };
-  bool heard_on_this_stream = false;
   while (true) {
     if (!Await(absl::Condition(&something_happened), Clock::now() + stale_after_)) {
       return absl::DeadlineExceededError("silence");
@@ -78,9 +88,11 @@ absl::Status GraphSubscriber::HandleFrames(WatchStream& stream) {
     const v1::WatchGraphResponse frame = stream.Take();
     counters_->bytes_received += frame.ByteSizeLong();
     last_heard_ = Clock::now();
-    if (!heard_on_this_stream && std::exchange(heard_before_, true)) ++counters_->reconnects;
-    heard_on_this_stream = true;
+    connecting_at_ = Clock::time_point::max();
+    if (!heard_on_this_stream_ && std::exchange(heard_before_, true)) ++counters_->reconnects;
+    heard_on_this_stream_ = true;
     SetLinkState(LinkState::kLive);
+    listener_.on_heard();
     RETURN_IF_ERROR(Handle(frame));
     backoff_.Reset();
   }
@@ -131,12 +143,24 @@ void GraphSubscriber::SetLinkState(LinkState state) {
   if (std::exchange(link_state_, state) != state) listener_.on_link_state(state);
 }
 
+// When something will be overdue that is not yet; max: nothing.
+GraphSubscriber::Clock::time_point GraphSubscriber::TellOverdue(Clock::time_point now) {
+  const Clock::time_point stale_at = last_heard_ + stale_after_;
+  if (now >= stale_at) {
+    SetLinkState(LinkState::kStale);
+    return Clock::time_point::max();
+  }
+  if (now >= connecting_at_) {
+    connecting_at_ = Clock::time_point::max();
+    SetLinkState(LinkState::kConnecting);
+  }
+  return std::min(stale_at, connecting_at_);
+}
+
 bool GraphSubscriber::Await(const absl::Condition& condition, Clock::time_point deadline) {
   while (true) {
     const Clock::time_point now = Clock::now();
-    const Clock::time_point stale_at = last_heard_ + stale_after_;
-    if (now >= stale_at) SetLinkState(LinkState::kStale);
-    const Clock::time_point wake = now >= stale_at ? deadline : std::min(deadline, stale_at);
+    const Clock::time_point wake = std::min(deadline, TellOverdue(now));
     {
       absl::MutexLock lock(&mutex_);
       if (mutex_.AwaitWithTimeout(condition, absl::FromChrono(wake - now))) return true;

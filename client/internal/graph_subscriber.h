@@ -27,12 +27,13 @@ namespace overtone {
 // is given up after `stale_after`.
 class GraphSubscriber {
  public:
-  // Both are called from the subscriber's thread. Every graph is newer than the one before, or of
+  // All are called from the subscriber's thread. Every graph is newer than the one before, or of
   // another epoch.
   struct Listener {
     std::function<void(std::shared_ptr<const MapGraph>)> on_graph;
     std::function<void(LinkState)>
         on_link_state;  // changes only; the first state, kConnecting, is not told
+    std::function<void()> on_heard = [] {};  // any frame
   };
 
   // `request` names the map and the options. All pointers must outlive the subscriber.
@@ -56,13 +57,15 @@ class GraphSubscriber {
   absl::Status HandleDelta(const v1::GraphDelta& delta);
   void Hold(MapGraph graph);
   void SetLinkState(LinkState state);
-  // Waits for `condition` on mutex_ until `deadline`, and tells the listener when the link becomes
-  // stale meanwhile.
+  // Waits for `condition` on mutex_ until `deadline`, and tells the listener what becomes of the
+  // link meanwhile. True: it holds.
+  Clock::time_point TellOverdue(Clock::time_point now);
   bool Await(const absl::Condition& condition, Clock::time_point deadline);
 
   v1::MappingService::Stub* const stub_;
   v1::WatchGraphRequest request_;
   Backoff backoff_;
+  QuietRestart quiet_restart_;
   const Clock::duration stale_after_;
   TrafficCounters* const counters_;
   const Logger logger_;
@@ -74,6 +77,9 @@ class GraphSubscriber {
   LinkState link_state_ = LinkState::kConnecting;
   Clock::time_point last_heard_ = Clock::now();
   bool heard_before_ = false;
+  bool heard_on_this_stream_ = false;
+  // Begun anew quietly: when the host is told after all; max: it is not so.
+  Clock::time_point connecting_at_ = Clock::time_point::max();
 
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

@@ -18,13 +18,15 @@ constexpr absl::Duration kCallTimeout = absl::Seconds(10);
 
 LoopClosureUploader::LoopClosureUploader(v1::MappingService::Stub* stub, Backoff backoff,
                                          SubmapOutbox* outbox, TrafficCounters* counters,
-                                         Logger logger, RefusalHandler on_refusal)
+                                         Logger logger, RefusalHandler on_refusal,
+                                         TokenBucket* bucket)
     : stub_(stub),
       backoff_(std::move(backoff)),
       outbox_(outbox),
       counters_(counters),
       logger_(std::move(logger)),
-      on_refusal_(std::move(on_refusal)) {
+      on_refusal_(std::move(on_refusal)),
+      bucket_(bucket) {
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -101,7 +103,9 @@ absl::Status LoopClosureUploader::Call(const v1::AddLoopClosuresRequest& request
     absl::MutexLock lock(&mutex_);
     call_ = nullptr;
   }
-  counters_->bytes_sent += request.ByteSizeLong();
+  const int64_t bytes = static_cast<int64_t>(request.ByteSizeLong());
+  counters_->bytes_sent += bytes;
+  if (bucket_ != nullptr) bucket_->Take(bytes, TokenBucket::Clock::now());
   counters_->bytes_received += response.ByteSizeLong();
   return FromGrpcStatus(status);
 }

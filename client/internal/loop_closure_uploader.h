@@ -13,6 +13,7 @@
 #include "overtone/client/internal/backoff.h"
 #include "overtone/client/internal/logger.h"
 #include "overtone/client/internal/submap_outbox.h"
+#include "overtone/client/internal/token_bucket.h"
 #include "overtone/client/internal/traffic_counters.h"
 #include "overtone/v1/mapping_service.grpc.pb.h"
 
@@ -26,9 +27,11 @@ class LoopClosureUploader {
   // The server refused the oldest batch for good. Called from the uploader's thread.
   using RefusalHandler = std::function<void(const absl::Status& reason)>;
 
-  // All pointers must outlive the uploader.
+  // All pointers must outlive the uploader. Batches are small: they do not wait for `bucket`, but
+  // what they take is missing in it.
   LoopClosureUploader(v1::MappingService::Stub* stub, Backoff backoff, SubmapOutbox* outbox,
-                      TrafficCounters* counters, Logger logger, RefusalHandler on_refusal);
+                      TrafficCounters* counters, Logger logger, RefusalHandler on_refusal,
+                      TokenBucket* bucket = nullptr);
   ~LoopClosureUploader();  // cancels the call; does not wait for the network
 
   // The outbox has something new.
@@ -46,6 +49,7 @@ class LoopClosureUploader {
   TrafficCounters* const counters_;
   const Logger logger_;
   const RefusalHandler on_refusal_;
+  TokenBucket* const bucket_;
 
   absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;

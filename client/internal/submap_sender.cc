@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 
@@ -42,24 +43,24 @@ absl::StatusOr<std::optional<v1::UploadSubmapsRequest>> SubmapSender::Next(int64
   if (!ready_) return std::nullopt;
   // A host that started over with the same mission hands over again what the server already holds.
   outbox_->RemoveSubmapsThrough(in_flight_.empty() ? next_ - 1 : in_flight_.front().first - 1);
-  const std::optional<WaitingSubmap> submap = outbox_->FirstSubmapFrom(next_);
+  const std::optional<SubmapHead> submap = outbox_->FirstSubmapFrom(next_);
   if (!submap) return std::nullopt;
   if (submap->sequence != next_) {
-    return absl::DataLossError(
-        absl::StrCat("the server expects submap ", next_, ", but submaps before ", submap->sequence,
-                     " were acknowledged and are gone; start a new mission"));
+    return absl::DataLossError(absl::StrCat("the server expects submap ", next_,
+                                            ", but those before ", submap->sequence,
+                                            " are gone; start a new mission"));
   }
-  const int64_t bytes = static_cast<int64_t>(submap->bytes->size());
-  const bool fits = in_flight_bytes_ + other_bytes + bytes <= window_bytes_;
+  const bool fits = in_flight_bytes_ + other_bytes + submap->size <= window_bytes_;
   if (!fits && !in_flight_.empty()) return std::nullopt;  // the next Ack makes room
 
+  ASSIGN_OR_RETURN(const SharedBytes bytes, outbox_->ReadSubmap(submap->sequence));
   v1::UploadSubmapsRequest request;
-  if (!request.mutable_submap()->ParseFromString(*submap->bytes)) {
+  if (!request.mutable_submap()->ParseFromString(*bytes)) {
     return absl::DataLossError(
         absl::StrCat("submap ", submap->sequence, " in the outbox is damaged"));
   }
-  in_flight_.emplace_back(submap->sequence, bytes);
-  in_flight_bytes_ += bytes;
+  in_flight_.emplace_back(submap->sequence, submap->size);
+  in_flight_bytes_ += submap->size;
   ++next_;
   return request;
 }

@@ -27,9 +27,10 @@ class SubmapSender {
   absl::Status CheckReject(const v1::UploadReject& reject) const;
 
   // The next submap that may go out; none: nothing waits, or the window, in which other_bytes are
-  // under way too, is full.
+  // under way too, is full. DataLoss: the server expects one that is not there any more.
   absl::StatusOr<std::optional<v1::UploadSubmapsRequest>> Next(int64_t other_bytes);
 
+  bool ready() const { return ready_; }
   int64_t acknowledged_through() const { return acknowledged_through_; }
   int64_t bytes_in_flight() const { return in_flight_bytes_; }
   int64_t window_bytes() const { return window_bytes_; }

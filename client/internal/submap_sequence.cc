@@ -28,10 +28,10 @@ void SubmapSequence::Advance(const Submap& submap) {
   last_stamp_ = submap.keyframes.back().stamp;
 }
 
-void SubmapSequence::Rewind(int64_t sequence, int64_t first_index) {
-  sequence_ = sequence;
-  first_index_ = first_index;
-  last_stamp_ = Timestamp{std::numeric_limits<int64_t>::min()};
+void SubmapSequence::MoveTo(const OutboxPosition& position) {
+  sequence_ = position.next_sequence;
+  first_index_ = position.next_index;
+  last_stamp_ = Timestamp{position.last_stamp_ns};
 }
 
 }  // namespace overtone

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "absl/status/status.h"
+#include "overtone/client/internal/outbox_item.h"
 #include "overtone/core/common/timestamp.h"
 #include "overtone/core/graph/submap.h"
 
@@ -21,9 +22,12 @@ class SubmapSequence {
   // `submap` was taken.
   void Advance(const Submap& submap);
 
-  // The submap with this sequence and first index is wanted anew. Whether its stamps follow what
-  // went before is then left to the server.
-  void Rewind(int64_t sequence, int64_t first_index);
+  // Goes on at another place. Without a last stamp, whether the next ones follow what went before
+  // is left to the server.
+  void MoveTo(const OutboxPosition& position);
+
+  int64_t sequence() const { return sequence_; }
+  int64_t first_index() const { return first_index_; }
 
  private:
   int64_t sequence_ = 0;

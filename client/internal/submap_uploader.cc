@@ -8,23 +8,23 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/client/internal/exception_guard.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/proto/conversion/limits.h"
 #include "overtone/proto/conversion/status_conversion.h"
 
 namespace overtone {
 
-SubmapUploader::SubmapUploader(v1::MappingService::Stub* stub, std::string map, MissionId mission,
-                               Backoff backoff, SubmapOutbox* outbox, TrafficCounters* counters,
-                               Logger logger, RefusalHandler on_refusal, DropHandler on_drop)
+SubmapUploader::SubmapUploader(v1::MappingService::Stub* stub, Settings settings,
+                               SubmapOutbox* outbox, TrafficCounters* counters, Logger logger,
+                               Listener listener)
     : stub_(stub),
-      backoff_(std::move(backoff)),
+      settings_(std::move(settings)),
       outbox_(outbox),
       counters_(counters),
       logger_(std::move(logger)),
-      on_refusal_(std::move(on_refusal)),
-      on_drop_(std::move(on_drop)) {
-  header_.set_map(std::move(map));
-  header_.mutable_mission()->set_robot(std::move(mission.robot));
-  header_.mutable_mission()->set_mission(std::move(mission.mission));
+      listener_(std::move(listener)) {
+  header_.set_map(settings_.map);
+  header_.mutable_mission()->set_robot(settings_.mission.robot);
+  header_.mutable_mission()->set_mission(settings_.mission.mission);
   thread_ = std::thread([this] { Run(); });
 }
 
@@ -44,21 +44,38 @@ void SubmapUploader::Notify() {
 void SubmapUploader::Run() {
   while (true) {
     const absl::Status status = GuardExceptions("upload", [this] { return RunStream(); });
-    const absl::Duration delay = backoff_.Next();
+    {
+      absl::MutexLock lock(&mutex_);
+      if (stopping_) return;
+    }
+    if (quiet_restart_.Allows(heard_, status, Clock::now())) continue;
+    const absl::Duration delay = DelayAfter(status);
     absl::MutexLock lock(&mutex_);
-    if (stopping_) return;
-    logger_.Warning("upload interrupted: ", status.ToString(), "; again in ",
-                    absl::FormatDuration(delay));
     if (mutex_.AwaitWithTimeout(absl::Condition(&stopping_), delay)) return;
   }
 }
 
+absl::Duration SubmapUploader::DelayAfter(const absl::Status& status) {
+  // Nothing that trying again soon would mend.
+  const bool gap = absl::IsDataLoss(status);
+  const absl::Duration delay = gap ? settings_.backoff.Longest() : settings_.backoff.Next();
+  if (gap && std::exchange(gap_told_, true)) return delay;
+  logger_.Warning("upload interrupted: ", status.ToString(), "; again in ",
+                  absl::FormatDuration(delay));
+  if (gap) {
+    const std::optional<SubmapHead> waiting = outbox_->FirstSubmapFrom(0);
+    listener_.on_gap(waiting ? waiting->sequence : outbox_->LastSequence() + 1, status);
+  }
+  return delay;
+}
+
 absl::Status SubmapUploader::RunStream() {
-  UploadStream stream(&mutex_);
+  heard_ = false;
+  UploadSubmapsStream stream(&mutex_);
   stub_->async()->UploadSubmaps(&stream.context(), &stream);
   v1::UploadSubmapsRequest header;
   *header.mutable_header() = header_;
-  counters_->bytes_sent += header.ByteSizeLong();
+  Count(static_cast<int64_t>(header.ByteSizeLong()));
   stream.Write(std::move(header));
   stream.Start();
   const absl::Status status = GuardExceptions("upload", [&] { return HandleEvents(stream); });
@@ -68,35 +85,63 @@ absl::Status SubmapUploader::RunStream() {
 }
 
 // Ok: the stream ended, or we are to stop. Anything else: we end it.
-absl::Status SubmapUploader::HandleEvents(UploadStream& stream) {
+absl::Status SubmapUploader::HandleEvents(UploadSubmapsStream& stream) {
   Progress progress{SubmapSender(outbox_), BlobSender(outbox_)};
   while (true) {
-    switch (AwaitEvent(stream)) {
+    switch (AwaitEvent(stream, progress)) {
       case Event::kStop:
       case Event::kEnded:
         return absl::OkStatus();
       case Event::kMessage:
+        heard_ = true;
+        progress.last_move = Clock::now();
         RETURN_IF_ERROR(Handle(stream.Take(), progress));
         break;
       case Event::kCanSend:
         RETURN_IF_ERROR(SendNext(stream, progress));
         break;
+      case Event::kStalled:
+        return absl::DeadlineExceededError("the server does not answer");
     }
   }
 }
 
-SubmapUploader::Event SubmapUploader::AwaitEvent(const UploadStream& stream) {
+SubmapUploader::Event SubmapUploader::AwaitEvent(const UploadSubmapsStream& stream,
+                                                 const Progress& progress) {
+  const Clock::time_point stalled_at =
+      progress.AwaitsAnswer()
+          ? progress.last_move + absl::ToChronoNanoseconds(settings_.stall_timeout)
+          : Clock::time_point::max();
+  bool affordable = false;
   const auto next_event = [&]() -> std::optional<Event> {
     mutex_.AssertHeld();
     if (stopping_) return Event::kStop;
     if (stream.HasMessage()) return Event::kMessage;
     if (stream.Ended()) return Event::kEnded;
-    if (stream.CanWrite() && may_send_) return Event::kCanSend;
+    if (affordable && stream.CanWrite() && may_send_) return Event::kCanSend;
     return std::nullopt;
   };
   const auto happened = [&] { return next_event().has_value(); };
-  absl::MutexLock lock(&mutex_, absl::Condition(&happened));
-  return *next_event();
+  while (true) {
+    const Clock::time_point now = Clock::now();
+    if (now >= stalled_at) return Event::kStalled;
+    Clock::time_point wake = stalled_at;
+    if (settings_.bucket != nullptr) {
+      const Clock::time_point ready_at = settings_.bucket->ReadyAt(now);
+      affordable = ready_at <= now;
+      if (!affordable) wake = std::min(wake, ready_at);
+    } else {
+      affordable = true;
+    }
+    absl::MutexLock lock(&mutex_);
+    if (wake == Clock::time_point::max()) {
+      mutex_.Await(absl::Condition(&happened));
+      return *next_event();
+    }
+    if (mutex_.AwaitWithTimeout(absl::Condition(&happened), absl::FromChrono(wake - now))) {
+      return *next_event();
+    }
+  }
 }
 
 absl::Status SubmapUploader::Handle(const v1::UploadSubmapsResponse& response, Progress& progress) {
@@ -108,7 +153,7 @@ absl::Status SubmapUploader::Handle(const v1::UploadSubmapsResponse& response, P
       return progress.submaps.OnReady(response.ready());
     case v1::UploadSubmapsResponse::kAck:
       RETURN_IF_ERROR(progress.submaps.OnAck(response.ack()));
-      backoff_.Reset();
+      settings_.backoff.Reset();
       return absl::OkStatus();
     case v1::UploadSubmapsResponse::kReject:
       return HandleReject(response.reject(), progress);
@@ -129,7 +174,7 @@ absl::Status SubmapUploader::HandleReject(const v1::UploadReject& reject,
   RETURN_IF_ERROR(progress.submaps.CheckReject(reject));
   const absl::Status reason(static_cast<absl::StatusCode>(reject.code()), reject.message());
   if (!IsRetryable(reason.code()) && !absl::IsOutOfRange(reason)) {
-    on_refusal_(reject.sequence(), reason);
+    listener_.on_refusal(reject.sequence(), reason);
   }
   return absl::Status(reason.code(),
                       absl::StrCat("submap ", reject.sequence(), " refused: ", reason.message()));
@@ -139,28 +184,49 @@ absl::Status SubmapUploader::HandleBlobResult(const v1::UploadBlobResult& result
                                               Progress& progress) {
   RETURN_IF_ERROR(progress.blobs.OnResult(result));
   if (result.code() == 0) {
-    backoff_.Reset();
+    settings_.backoff.Reset();
   } else {
     logger_.Warning("the server did not take a cloud: ", result.message());
-    on_drop_();
+    listener_.on_drop();
   }
   return absl::OkStatus();
 }
 
-absl::Status SubmapUploader::SendNext(UploadStream& stream, Progress& progress) {
+absl::Status SubmapUploader::SendNext(UploadSubmapsStream& stream, Progress& progress) {
   {
     // Before looking, so that a submap pushed while we look is not overlooked.
     absl::MutexLock lock(&mutex_);
     may_send_ = false;
   }
-  ASSIGN_OR_RETURN(std::optional<v1::UploadSubmapsRequest> request,
-                   progress.submaps.Next(progress.blobs.bytes_in_flight()));
-  if (!request) request = progress.blobs.Next(progress.submaps.window_bytes());
+  ASSIGN_OR_RETURN(std::optional<v1::UploadSubmapsRequest> request, NextRequest(progress));
   if (!request) return absl::OkStatus();
-  counters_->bytes_sent += request->ByteSizeLong();
+  progress.last_move = Clock::now();
+  Count(static_cast<int64_t>(request->ByteSizeLong()));
   stream.Write(*std::move(request));
   Notify();  // there may be more
   return absl::OkStatus();
+}
+
+absl::StatusOr<std::optional<v1::UploadSubmapsRequest>> SubmapUploader::NextRequest(
+    Progress& progress) {
+  ASSIGN_OR_RETURN(std::optional<v1::UploadSubmapsRequest> submap,
+                   progress.submaps.Next(progress.blobs.bytes_in_flight()));
+  if (submap) {
+    gap_told_ = false;
+    return submap;
+  }
+  // On a slow link small chunks let a submap that comes in between wait for less.
+  constexpr int64_t kMinChunkBytes = 4096;
+  int64_t chunk_bytes = limits::kMaxBlobChunkBytes;
+  if (settings_.bucket != nullptr && settings_.bucket->message_bytes() > 0) {
+    chunk_bytes = std::clamp(settings_.bucket->message_bytes(), kMinChunkBytes, chunk_bytes);
+  }
+  return progress.blobs.Next(progress.submaps.window_bytes(), chunk_bytes);
+}
+
+void SubmapUploader::Count(int64_t bytes) {
+  counters_->bytes_sent += bytes;
+  if (settings_.bucket != nullptr) settings_.bucket->Take(bytes, Clock::now());
 }
 
 }  // namespace overtone

@@ -235,6 +235,7 @@ TEST(MappingClient, NamesWhatIsWrongWithACloudAndWaitsForThoseThatAreRight) {
   EXPECT_THAT(std::string(client->AddSubmap(submap).message()), HasSubstr("clouds[1].cloud"));
   submap.clouds.pop_back();
   EXPECT_TRUE(client->AddSubmap(submap).ok());
+  ASSERT_TRUE(client->WaitUntilPersisted(kPatience).ok());
   EXPECT_EQ(client->Stats().blobs_waiting, 1);
   EXPECT_THAT(std::string(client->WaitUntilAcknowledged(absl::ZeroDuration()).message()),
               HasSubstr("1 clouds"));
@@ -250,6 +251,7 @@ TEST(MappingClient, AFullOutboxDropsTheOldestCloudsAndTellsTheHost) {
   for (int64_t i = 0; i < 40; ++i) {
     ASSERT_TRUE(client->AddSubmap(WithClouds(StraightSubmap(i, 150), 1, 10'000)).ok());
   }
+  ASSERT_TRUE(client->WaitUntilPersisted(kPatience).ok());
   const MappingClientStats stats = client->Stats();
   EXPECT_EQ(stats.submaps_waiting, 40);
   EXPECT_GT(stats.clouds_dropped, 5);

@@ -67,10 +67,12 @@ int64_t ScriptedMappingServer::Upload::Read() {
   return request.has_submap() ? request.submap().sequence() : -1;
 }
 
-grpc::Status ScriptedMappingServer::Upload::AcknowledgeEverything() {
+grpc::Status ScriptedMappingServer::Upload::AcknowledgeEverything(
+    const std::function<void(const v1::Submap&)>& store) {
   while (true) {
     const v1::UploadSubmapsRequest request = ReadFrame();
     if (request.has_submap()) {
+      store(request.submap());
       Ack(request.submap().sequence());
       std::vector<std::string> wanted;
       for (const v1::CloudReference& cloud : request.submap().clouds()) {
@@ -117,9 +119,10 @@ void ScriptedMappingServer::Watch::Heartbeat() {
   stream->Write(response);
 }
 
-ScriptedMappingServer::ScriptedMappingServer(Script script) : script_(std::move(script)) {
+ScriptedMappingServer::ScriptedMappingServer(Script script, const std::string& address)
+    : script_(std::move(script)) {
   grpc::ServerBuilder builder;
-  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port_);
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port_);
   builder.RegisterService(this);
   server_ = builder.BuildAndStart();
 }
@@ -191,7 +194,7 @@ grpc::Status ScriptedMappingServer::UploadSubmaps(grpc::ServerContext* /*context
     call = static_cast<int>(headers_.size());
     headers_.push_back(request.header());
   }
-  Upload upload(this, stream);
+  Upload upload(this, stream, request.header());
   return script_.upload(call, upload);
 }
 
@@ -217,6 +220,14 @@ grpc::Status ScriptedMappingServer::AddLoopClosures(grpc::ServerContext* /*conte
     call = closure_calls_++;
   }
   return script_.add_loop_closures ? script_.add_loop_closures(call, *request) : Park();
+}
+
+grpc::Status ScriptedMappingServer::GetServerInfo(grpc::ServerContext* /*context*/,
+                                                  const v1::GetServerInfoRequest* /*request*/,
+                                                  v1::GetServerInfoResponse* response) {
+  if (!script_.server_info) return grpc::Status(grpc::StatusCode::UNIMPLEMENTED, "");
+  script_.server_info(*response);
+  return grpc::Status::OK;
 }
 
 SilentSocket::SilentSocket() : socket_(socket(AF_INET, SOCK_STREAM, 0)) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/base/thread_annotations.h"
@@ -24,7 +25,8 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
   class Upload {
    public:
     using Stream = grpc::ServerReaderWriter<v1::UploadSubmapsResponse, v1::UploadSubmapsRequest>;
-    Upload(ScriptedMappingServer* server, Stream* stream) : server_(server), stream_(stream) {}
+    Upload(ScriptedMappingServer* server, Stream* stream, v1::UploadHeader header)
+        : server_(server), stream_(stream), header_(std::move(header)) {}
 
     void Ready(int64_t next_sequence, int64_t window_bytes = 1 << 20);
     void Ack(int64_t durable_through_sequence);
@@ -37,14 +39,18 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
     v1::UploadSubmapsRequest ReadFrame();
     // The sequence of the next submap, -1 when the client went away.
     int64_t Read();
-    // Reads and acknowledges until the client goes away; wants every cloud and takes it.
-    grpc::Status AcknowledgeEverything();
+    // Reads and acknowledges until the client goes away; wants every cloud and takes it. `store`,
+    // before each acknowledgement.
+    grpc::Status AcknowledgeEverything(const std::function<void(const v1::Submap&)>& store =
+                                           [](const v1::Submap&) {});
+    const v1::UploadHeader& header() const { return header_; }
 
    private:
     void TakeChunk(const v1::BlobChunk& chunk);
 
     ScriptedMappingServer* server_;
     Stream* stream_;
+    const v1::UploadHeader header_;
     std::map<std::string, v1::CloudReference> lacking_;  // by digest
     std::string assembled_;
   };
@@ -65,10 +71,12 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
     std::function<grpc::Status(int call, Watch& watch)> watch;
     std::function<grpc::Status(int call, const v1::AddLoopClosuresRequest& request)>
         add_loop_closures;
+    std::function<void(v1::GetServerInfoResponse& response)> server_info;
   };
 
-  // Calls without a script are parked.
-  explicit ScriptedMappingServer(Script script);
+  // Calls without a script are parked; GetServerInfo then is not implemented.
+  // `address`: "127.0.0.1:port".
+  explicit ScriptedMappingServer(Script script, const std::string& address = "127.0.0.1:0");
   ~ScriptedMappingServer() override;
 
   std::string address() const;
@@ -93,6 +101,8 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
   grpc::Status AddLoopClosures(grpc::ServerContext* context,
                                const v1::AddLoopClosuresRequest* request,
                                v1::AddLoopClosuresResponse* response) override;
+  grpc::Status GetServerInfo(grpc::ServerContext* context, const v1::GetServerInfoRequest* request,
+                             v1::GetServerInfoResponse* response) override;
 
   const Script script_;
   mutable absl::Mutex mutex_;

@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "absl/strings/str_cat.h"
+#include "absl/time/clock.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/limits.h"
 #include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/submap_conversion.h"
+#include "overtone/services/mapping_server/proto_time.h"
 #include "overtone/services/mapping_server/submap_digest.h"
 
 namespace overtone {
@@ -52,6 +54,7 @@ absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& option
   for (const char* feature : {"compact", "delta", "kron_reduction", "clouds", "landmarks"}) {
     response.add_features(feature);
   }
+  *response.mutable_server_time() = ToProto(absl::Now());
   return response;
 }
 

@@ -4,6 +4,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/tests/support/scripted_mapping_server.h"
+#include "overtone/tests/support/temporary_directory.h"
 
 namespace overtone {
 namespace {
@@ -28,17 +29,19 @@ RobotRecording StraightRecording(int keyframes) {
 class RobotPlayerTest : public ::testing::Test {
  protected:
   RobotPlayerTest()
-      : server_({[](int, Upload& upload) {
-                   upload.Ready(0);
+      : server_({[](int call, Upload& upload) {
+                   upload.Ready(call);  // a submap for each run
                    return upload.AcknowledgeEverything();
                  },
                  {},
                  {}}) {}
 
-  absl::StatusOr<std::unique_ptr<RobotPlayer>> Play(const RobotRecording& recording) {
+  absl::StatusOr<std::unique_ptr<RobotPlayer>> Play(const RobotRecording& recording,
+                                                    const std::string& outbox = "") {
     MappingClientOptions options;
     options.server = server_.address();
     options.map = "town";
+    options.outbox_dir = outbox;
     return RobotPlayer::Create(recording, options, absl::Seconds(20));
   }
 
@@ -70,6 +73,22 @@ TEST_F(RobotPlayerTest, ACloudThatIsGoneIsNamedWhenItsSubmapIsDue) {
   const auto answer = (*player)->Advance(2);
   EXPECT_EQ(answer.status().code(), absl::StatusCode::kNotFound);
   EXPECT_THAT(std::string(answer.status().message()), HasSubstr("/nowhere.pcd"));
+}
+
+TEST_F(RobotPlayerTest, WithAnOutboxAnotherProcessGoesOn) {
+  const TemporaryDirectory directory;
+  const RobotRecording recording = StraightRecording(10);
+  {
+    const auto player = Play(recording, directory.path());
+    ASSERT_TRUE(player.ok()) << player.status();
+    ASSERT_TRUE((*player)->Advance(3).ok());
+  }
+  const auto player = Play(recording, directory.path());
+  ASSERT_TRUE(player.ok()) << player.status();
+  const auto answer = (*player)->Advance(9);
+  ASSERT_TRUE(answer.ok()) << answer.status();
+  EXPECT_EQ(answer->at("keyframes"), 10);
+  EXPECT_THAT(server_.Received(), ElementsAre(0, 1));
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class BlobSenderTest : public ::testing::Test {
            std::to_string(chunk.data().size());
   }
 
-  InMemoryOutbox outbox_{64 << 20};
+  SubmapOutbox outbox_{64 << 20};
   BlobSender sender_{&outbox_};
 };
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -45,7 +46,10 @@ class Robot {
     request.set_map("town");
     subscriber_ = std::make_unique<GraphSubscriber>(
         stub_.get(), request, Backoff(absl::Milliseconds(2), absl::Milliseconds(20), /*seed=*/1),
-        stale_after, &counters_, Logger(),
+        stale_after, &counters_, Logger([this](LogLevel, absl::string_view line) {
+          absl::MutexLock lock(&mutex_);
+          log_.emplace_back(line);
+        }),
         GraphSubscriber::Listener{[this](std::shared_ptr<const MapGraph> graph) {
                                     absl::MutexLock lock(&mutex_);
                                     graphs_.push_back(*graph);
@@ -86,6 +90,16 @@ class Robot {
     absl::MutexLock lock(&mutex_);
     return graphs_.back();
   }
+  // Counted just before the listener hears of it.
+  bool AwaitReconnects(int64_t count) {
+    const absl::Time deadline = absl::Now() + absl::Seconds(20);
+    while (counters_.reconnects < count && absl::Now() < deadline) std::this_thread::yield();
+    return counters_.reconnects >= count;
+  }
+  std::vector<std::string> log() {
+    absl::MutexLock lock(&mutex_);
+    return log_;
+  }
   int64_t reconnects() const { return counters_.reconnects; }
   void Stop() { subscriber_.reset(); }
 
@@ -93,6 +107,7 @@ class Robot {
   absl::Mutex mutex_;
   std::vector<MapGraph> graphs_ ABSL_GUARDED_BY(mutex_);
   std::vector<LinkState> link_states_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::string> log_ ABSL_GUARDED_BY(mutex_);
   TrafficCounters counters_;
   std::unique_ptr<v1::MappingService::Stub> stub_;
   std::unique_ptr<GraphSubscriber> subscriber_;
@@ -214,15 +229,42 @@ TEST(GraphSubscriber, SilenceMakesTheLinkStaleAndIsGivenUp) {
                                                LinkState::kLive, LinkState::kStale));
 }
 
-TEST(GraphSubscriber, ABrokenStreamMeansReconnectingAndThenLiveAgain) {
+// A server that closes a connection for its age, or restarts within a moment.
+TEST(GraphSubscriber, AStreamThatIsBegunAnewAtOnceGoesUnnoticed) {
+  for (const grpc::Status& end : {grpc::Status::OK, kCableCut}) {
+    ParkingServer parking([end](int call, Watch& watch, ParkingServer& server) {
+      watch.Heartbeat();
+      return call == 0 ? end : server.Park();
+    });
+    Robot robot(parking.server.address());
+    ASSERT_TRUE(parking.server.AwaitWatches(2));
+    ASSERT_TRUE(robot.AwaitReconnects(1));
+    EXPECT_THAT(robot.link_states(), ElementsAre(LinkState::kLive));
+    EXPECT_TRUE(robot.log().empty());
+  }
+}
+
+TEST(GraphSubscriber, AStreamThatBreaksAgainMeansReconnectingAndThenLiveAgain) {
   ParkingServer parking([](int call, Watch& watch, ParkingServer& server) {
     watch.Heartbeat();
-    return call == 0 ? kCableCut : server.Park();
+    return call < 2 ? kCableCut : server.Park();
   });
   Robot robot(parking.server.address());
   ASSERT_TRUE(robot.AwaitLinkStates(3));
   EXPECT_THAT(robot.link_states(),
               ElementsAre(LinkState::kLive, LinkState::kConnecting, LinkState::kLive));
+  EXPECT_EQ(robot.log().size(), 1u);
+}
+
+TEST(GraphSubscriber, ALinkThatDoesNotComeBackAtOnceIsReconnecting) {
+  ParkingServer parking([](int call, Watch& watch, ParkingServer& server) {
+    if (call > 0) return server.Park();
+    watch.Heartbeat();
+    return kCableCut;
+  });
+  Robot robot(parking.server.address());
+  ASSERT_TRUE(robot.AwaitLinkStates(2));
+  EXPECT_THAT(robot.link_states(), ElementsAre(LinkState::kLive, LinkState::kConnecting));
 }
 
 TEST(GraphSubscriber, AServerThatNeverAnswersIsStaleToo) {

@@ -58,7 +58,7 @@ class Fixture {
     }
     return outbox_.FrontLoopClosures() == nullptr;
   }
-  InMemoryOutbox& outbox() { return outbox_; }
+  SubmapOutbox& outbox() { return outbox_; }
   std::vector<std::string> calls() {
     absl::MutexLock lock(&mutex_);
     return calls_;
@@ -73,7 +73,7 @@ class Fixture {
   std::vector<std::string> calls_ ABSL_GUARDED_BY(mutex_);
   std::vector<absl::StatusCode> refused_ ABSL_GUARDED_BY(mutex_);
   ScriptedMappingServer server_;
-  InMemoryOutbox outbox_{1 << 20};
+  SubmapOutbox outbox_{1 << 20};
   TrafficCounters counters_;
   std::unique_ptr<v1::MappingService::Stub> stub_;
   std::unique_ptr<LoopClosureUploader> uploader_;
@@ -138,7 +138,7 @@ TEST(LoopClosureUploader, StopsAtOnceWhateverTheServerDoes) {
     MappingClientOptions options;
     options.server = address;
     const auto stub = v1::MappingService::NewStub(CreateChannel(options));
-    InMemoryOutbox outbox(1000);
+    SubmapOutbox outbox(1000);
     ASSERT_TRUE(outbox.PushLoopClosures(std::make_shared<const std::string>()).ok());
     TrafficCounters counters;
     auto uploader = std::make_unique<LoopClosureUploader>(

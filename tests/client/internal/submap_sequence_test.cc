@@ -43,7 +43,7 @@ TEST(SubmapSequence, RefusesTimeThatStandsStillBetweenSubmaps) {
 TEST(SubmapSequence, TakesARefusedSubmapAnew) {
   SubmapSequence sequence;
   for (int64_t i = 0; i < 3; ++i) sequence.Advance(StraightSubmap(i));
-  sequence.Rewind(1, 10);
+  sequence.MoveTo({1, 10});
   EXPECT_TRUE(sequence.Check(StraightSubmap(1)).ok());
   EXPECT_FALSE(sequence.Check(StraightSubmap(3)).ok());
 }

@@ -18,6 +18,7 @@ namespace overtone {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 using Upload = ScriptedMappingServer::Upload;
 using Script = ScriptedMappingServer::Script;
 
@@ -26,7 +27,9 @@ constexpr absl::Duration kPatience = absl::Seconds(20);
 // An uploader with its outbox, and what it reports.
 class Robot {
  public:
-  Robot(const std::string& address, int num_submaps) : outbox_(64 << 20) {
+  Robot(const std::string& address, int num_submaps,
+        absl::Duration stall_timeout = absl::Minutes(5), TokenBucket* bucket = nullptr)
+      : outbox_(64 << 20) {
     for (int64_t i = 0; i < num_submaps; ++i) Push(i);
     MappingClientOptions options;
     options.server = address;
@@ -34,18 +37,27 @@ class Robot {
     options.max_backoff = absl::Milliseconds(20);
     stub_ = v1::MappingService::NewStub(CreateChannel(options));
     uploader_ = std::make_unique<SubmapUploader>(
-        stub_.get(), "town", TestMission(),
-        Backoff(options.initial_backoff, options.max_backoff, /*seed=*/1), &outbox_, &counters_,
-        Logger(),
-        [this](int64_t sequence, const absl::Status& reason) {
+        stub_.get(),
+        SubmapUploader::Settings{"town", TestMission(),
+                                 Backoff(options.initial_backoff, options.max_backoff, /*seed=*/1),
+                                 stall_timeout, bucket},
+        &outbox_, &counters_, Logger([this](LogLevel, absl::string_view line) {
           absl::MutexLock lock(&mutex_);
-          refused_.emplace_back(sequence, reason.code());
-          outbox_.RemoveSubmapsFrom(sequence);
-        },
-        [this] {
-          absl::MutexLock lock(&mutex_);
-          ++drops_;
-        });
+          log_.emplace_back(line);
+        }),
+        SubmapUploader::Listener{[this](int64_t sequence, const absl::Status& reason) {
+                                   absl::MutexLock lock(&mutex_);
+                                   refused_.emplace_back(sequence, reason.code());
+                                   outbox_.RemoveSubmapsFrom(sequence);
+                                 },
+                                 [this] {
+                                   absl::MutexLock lock(&mutex_);
+                                   ++drops_;
+                                 },
+                                 [this](int64_t first_waiting, const absl::Status&) {
+                                   absl::MutexLock lock(&mutex_);
+                                   gaps_.push_back(first_waiting);
+                                 }});
   }
 
   void Push(int64_t sequence, std::vector<WaitingBlob> blobs = {}) {
@@ -63,7 +75,7 @@ class Robot {
     if (uploader_ != nullptr) uploader_->Notify();
   }
 
-  InMemoryOutbox& outbox() { return outbox_; }
+  SubmapOutbox& outbox() { return outbox_; }
   std::vector<std::pair<int64_t, absl::StatusCode>> refused() {
     absl::MutexLock lock(&mutex_);
     return refused_;
@@ -72,17 +84,31 @@ class Robot {
     absl::MutexLock lock(&mutex_);
     return drops_;
   }
+  std::vector<int64_t> gaps() {
+    absl::MutexLock lock(&mutex_);
+    return gaps_;
+  }
+  std::vector<std::string> log() {
+    absl::MutexLock lock(&mutex_);
+    return log_;
+  }
   void Stop() { uploader_.reset(); }
 
  private:
-  InMemoryOutbox outbox_;
+  SubmapOutbox outbox_;
   TrafficCounters counters_;
   absl::Mutex mutex_;
   std::vector<std::pair<int64_t, absl::StatusCode>> refused_ ABSL_GUARDED_BY(mutex_);
   int drops_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::vector<int64_t> gaps_ ABSL_GUARDED_BY(mutex_);
+  std::vector<std::string> log_ ABSL_GUARDED_BY(mutex_);
   std::unique_ptr<v1::MappingService::Stub> stub_;
   std::unique_ptr<SubmapUploader> uploader_;
 };
+
+WaitingBlob Blob(const std::string& content, size_t size) {
+  return {0, content, std::make_shared<const std::string>(size, content[0])};
+}
 
 TEST(SubmapUploader, SendsTheHeaderAndThenFromWhereReadySays) {
   ScriptedMappingServer server({[](int, Upload& upload) {
@@ -267,10 +293,63 @@ TEST(SubmapUploader, KeepsWhatWaitsWhenTheServerFellBehindWhatItAcknowledged) {
   ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
   EXPECT_GE(server.Headers().size(), 5);
   for (const int64_t sequence : server.Received()) EXPECT_GE(sequence, 3);
+  EXPECT_THAT(robot.gaps(), ElementsAre(3));
 }
 
-WaitingBlob Blob(const std::string& content, size_t size) {
-  return {0, content, std::make_shared<const std::string>(size, content[0])};
+// One that closes old connections, or restarts within a moment.
+TEST(SubmapUploader, AStreamThatWorkedIsBegunAnewAtOnceAndWithoutAWord) {
+  ScriptedMappingServer server({[](int call, Upload& upload) {
+    upload.Ready(call);
+    if (call > 0) return upload.AcknowledgeEverything();
+    upload.Ack(upload.Read());
+    return grpc::Status::OK;
+  }});
+  Robot robot(server.address(), /*num_submaps=*/3);
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(server.Received(), ElementsAre(0, 1, 2));
+  EXPECT_EQ(server.Headers().size(), 2u);
+  for (const std::string& line : robot.log()) EXPECT_THAT(line, HasSubstr("upload ready"));
+}
+
+// The link lives and the server stands still: neither Ready nor an acknowledgement.
+TEST(SubmapUploader, GivesUpAStreamOnWhichTheServerOwesAnAnswerForTooLong) {
+  ScriptedMappingServer* running = nullptr;
+  ScriptedMappingServer server({[&](int call, Upload& upload) {
+    if (call == 0) return running->Park();
+    upload.Ready(0);
+    if (call > 1) return upload.AcknowledgeEverything();
+    upload.Read();
+    return running->Park();
+  }});
+  running = &server;
+  Robot robot(server.address(), /*num_submaps=*/1, /*stall_timeout=*/absl::Milliseconds(100));
+  EXPECT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_GE(server.Headers().size(), 3u);
+}
+
+// What is bounded is counted: the law of the bucket has its own test.
+TEST(SubmapUploader, UnderABoundChunksAreSmallAndEveryByteIsPaidFor) {
+  constexpr int64_t kRate = 200'000;
+  std::vector<int64_t> chunks;
+  ScriptedMappingServer server({[&](int, Upload& upload) {
+    upload.Ready(0);
+    upload.Ack(upload.Read());
+    upload.Want({"a"});
+    for (int64_t received = 0; received < 300'000; received += chunks.back()) {
+      chunks.push_back(static_cast<int64_t>(upload.ReadFrame().blob().data().size()));
+      if (chunks.back() == 0) return grpc::Status::OK;
+    }
+    upload.BlobResult("a", grpc::StatusCode::OK);
+    return upload.AcknowledgeEverything();
+  }});
+  const TokenBucket::Clock::time_point start = TokenBucket::Clock::now();
+  TokenBucket bucket(kRate, start);
+  Robot robot(server.address(), /*num_submaps=*/0, absl::Minutes(5), &bucket);
+  robot.Push(0, {Blob("a", 300'000)});
+  ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));
+  EXPECT_THAT(chunks, ElementsAre(200'000, 100'000));
+  // 300 kB of 200 kB that were there, and of what came since.
+  EXPECT_GT(bucket.ReadyAt(start), start);
 }
 
 TEST(SubmapUploader, SendsWhatIsWantedAndLetsItGoWhenItIsTaken) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef OVERTONE_CLIENT_INTERNAL_UPLOAD_STREAM_H_
-#define OVERTONE_CLIENT_INTERNAL_UPLOAD_STREAM_H_
+#ifndef OVERTONE_CLIENT_INTERNAL_UPLOAD_SUBMAPS_STREAM_H_
+#define OVERTONE_CLIENT_INTERNAL_UPLOAD_SUBMAPS_STREAM_H_
 
 #include <utility>
 
@@ -12,7 +12,7 @@
 namespace overtone {
 
 // One UploadSubmaps call; threads and life as in ClientStream.
-class UploadStream final
+class UploadSubmapsStream final
     : public ClientStream<
           grpc::ClientBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>,
           v1::UploadSubmapsResponse> {
@@ -46,4 +46,4 @@ class UploadStream final
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_INTERNAL_UPLOAD_STREAM_H_
+#endif  // OVERTONE_CLIENT_INTERNAL_UPLOAD_SUBMAPS_STREAM_H_
