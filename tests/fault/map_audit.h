@@ -36,7 +36,7 @@ struct MapAudit {
 };
 std::string ToString(const MapAudit& audit);
 
-// Waits until the server has mapped all it has stored. DeadlineExceeded.
+// Waits until the newest revision holds so many keyframes. DeadlineExceeded.
 absl::Status AwaitMapped(const std::string& address, const std::string& map, int64_t keyframes,
                          absl::Duration timeout);
 

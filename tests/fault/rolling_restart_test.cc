@@ -11,6 +11,7 @@
 #include "absl/strings/str_format.h"
 #include "absl/synchronization/notification.h"
 #include "absl/time/clock.h"
+#include "absl/types/optional.h"
 #include "gtest/gtest.h"
 #include "overtone/client/cli/admin_client.h"
 #include "overtone/tests/fault/busy_robot.h"
@@ -70,12 +71,14 @@ class RollingRestartTest : public ::testing::Test {
   }
 
   void Restart() {
-    HealthWatch health(server_.address(), "overtone.v1.MappingService");
-    ASSERT_EQ(health.Next(kPatience), HealthWatch::Status::kServing);
+    absl::optional<HealthWatch> health;
+    health.emplace(server_.address(), "overtone.v1.MappingService");
+    ASSERT_EQ(health->Next(kPatience), HealthWatch::Status::kServing);
     AwaitProgress();
     const absl::Time begin = absl::Now();
     server_.Terminate();
-    ASSERT_EQ(health.Next(kPatience), HealthWatch::Status::kNotServing);
+    ASSERT_EQ(health->Next(kPatience), HealthWatch::Status::kNotServing);
+    health.reset();  // its stream would be waited for as long as the server's deadline allows
     ASSERT_TRUE(server_.AwaitEnd(kPatience));
     drained_s_.push_back(absl::ToDoubleSeconds(absl::Now() - begin));
     EXPECT_TRUE(server_.Ending().ok()) << server_.Ending();
