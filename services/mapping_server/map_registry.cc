@@ -115,6 +115,7 @@ absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Acquire(const std::strin
 
 void MapRegistry::Keep(const std::shared_ptr<HostedMap>& map) {
   absl::MutexLock lock(&mutex_);
+  if (stopping_) return;  // stored while we end: kept, it would never be closed
   maps_.emplace(map->id(), map);
   waiting_.erase(map->id());
 }
