@@ -230,16 +230,19 @@ TEST_F(LinkTest, ACutOfAMinuteInRealTimeIsFilledIn) {
   CutFor("cut of 60 s, real time", absl::Seconds(60), 1);
 }
 
-// In real time: the figure is what the robot's operator waits for.
+// In real time: the figure is what the robot's operator waits for. Long enough for keepalive to
+// give the connection up, too.
 TEST_F(LinkTest, AHalfOpenLinkIsToldAndFilledIn) {
   const int64_t expected = payload();
-  Row row("half-open until STALE, real time");
+  Row row("half-open for 30 s, real time");
   row.StartRobot(kPoints);
   row.AwaitAcknowledged(5);
   LinkConditions conditions;
   conditions.black_hole = true;
+  const absl::Time begin = absl::Now();
   row.link().Set(conditions);
   row.AwaitState(LinkState::kStale);
+  Await([] { return false; }, begin + absl::Seconds(30) - absl::Now());
   row.Heal();
   row.AwaitState(LinkState::kLive);
   row.Finish(expected);
