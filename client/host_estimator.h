@@ -17,6 +17,7 @@ using OnboardPose = NodePose;  // one keyframe as the onboard estimator sees it 
 enum class LinkState {
   kConnecting,  // no server yet, or reconnecting
   kLive,        // frames or heartbeats arrive
+  kRefused,     // the server answers, but not to us: identity or access rules; the log says why
   kStale,       // nothing heard for MappingClientOptions::stale_after
 };
 

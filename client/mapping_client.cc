@@ -11,6 +11,7 @@
 #include "grpcpp/channel.h"
 #include "overtone/client/internal/backoff.h"
 #include "overtone/client/internal/channel.h"
+#include "overtone/client/internal/channel_credentials.h"
 #include "overtone/client/internal/clock_probe.h"
 #include "overtone/client/internal/cloud_encoding.h"
 #include "overtone/client/internal/exception_guard.h"
@@ -186,6 +187,17 @@ class GrpcMappingClient final : public MappingClient {
     return absl::OkStatus();
   }
 
+  // A server with access rules would refuse the batch, again and again.
+  absl::Status CheckOwn(const LoopClosure& closure, int i) const {
+    const std::string& robot = options_.mission.robot;
+    if (!options_.tls.enabled() || closure.from.mission.robot == robot ||
+        closure.to.mission.robot == robot) {
+      return absl::OkStatus();
+    }
+    return absl::InvalidArgumentError(
+        absl::StrCat("loop_closures[", i, "]: neither end is of robot '", robot, "'"));
+  }
+
   // From the intake's thread: the outbox has changed.
   void OnStored() {
     submaps_.Notify();
@@ -205,6 +217,7 @@ class GrpcMappingClient final : public MappingClient {
     for (int i = 0; i < closures.size(); ++i) {
       v1::LoopClosure& message = *request.add_loop_closures() = ToProto(closures[i]);
       RETURN_IF_ERROR(AtField("loop_closures", i, FromProto(message)).status());
+      RETURN_IF_ERROR(CheckOwn(closures[i], i));
     }
     RETURN_IF_ERROR(outbox_->PushLoopClosures(
         std::make_shared<const std::string>(request.SerializeAsString())));
@@ -320,6 +333,7 @@ absl::StatusOr<std::unique_ptr<MappingClient>> MappingClient::Create(MappingClie
   return GuardExceptions(
       "MappingClient::Create", [&]() -> absl::StatusOr<std::unique_ptr<MappingClient>> {
         RETURN_IF_ERROR(options.Validate());
+        RETURN_IF_ERROR(AtField("tls", CheckFiles(options.tls)));
         ASSIGN_OR_RETURN(std::unique_ptr<SubmapOutbox> outbox, OpenMissionOutbox(options));
         return std::make_unique<GrpcMappingClient>(std::move(options), std::move(outbox), host);
       });

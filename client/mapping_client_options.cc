@@ -22,6 +22,10 @@ absl::Status CheckPositive(absl::Duration duration, absl::string_view field) {
 
 absl::Status MappingClientOptions::Validate() const {
   if (server.empty()) return absl::InvalidArgumentError("server: empty, expected host:port");
+  const absl::Status tls_status = tls.Validate(server);
+  if (!tls_status.ok()) {
+    return absl::Status(tls_status.code(), absl::StrCat("tls.", tls_status.message()));
+  }
   RETURN_IF_ERROR(ValidateId(map, "map"));
   RETURN_IF_ERROR(ValidateId(mission.robot, "mission.robot"));
   RETURN_IF_ERROR(ValidateId(mission.mission, "mission.mission"));

@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "absl/strings/string_view.h"
 #include "absl/time/time.h"
+#include "overtone/client/tls_files.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/graph/point_cloud_codec.h"
 #include "overtone/core/synchronization/synchronization_options.h"
@@ -19,6 +20,7 @@ enum class LogLevel { kInfo, kWarning, kError };
 
 struct MappingClientOptions {
   std::string server = "localhost:7077";  // host:port
+  TlsFiles tls;                           // needed for a server on another host
   std::string map = "default";            // id rule of core/common/ids.h
   MissionId mission;  // robot and mission; a new mission for every run of the robot
 

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs what is missing, checks schema and format, builds everything and runs every test. On a bare Debian 12, as root:
+# Installs what is missing, checks schema and format, builds everything, runs what the sanitizers look at (sanitizers.sh), and
+# then every test. On a bare Debian 12, as root:
 #   tests/run.sh                 all tests
-#   tests/run.sh -LE data        what follows goes to ctest
+#   tests/run.sh -LE data        what follows goes to ctest; without the sanitizers
 set -eu
 cd "$(dirname "$0")/.."
-docker/install_packages.sh client server test lint
+docker/install_packages.sh client server test lint sanitize
 
 proto/check.sh
 git ls-files '*.cc' '*.h' | xargs clang-format --dry-run --Werror
@@ -14,4 +15,5 @@ git ls-files '*.cc' '*.h' | xargs clang-format --dry-run --Werror
 jobs=$(awk -v cores="$(nproc)" '/MemAvailable/ { n = int($2 / 1500000); print n < 1 ? 1 : n < cores ? n : cores }' /proc/meminfo)
 cmake --preset dev
 cmake --build --preset dev --parallel "$jobs"
+[ $# -gt 0 ] || tests/sanitizers.sh
 ctest --test-dir build/dev --output-on-failure --parallel 2 "$@"

@@ -5,8 +5,10 @@
 
 #include "absl/strings/str_cat.h"
 #include "grpcpp/create_channel.h"
+#include "overtone/client/internal/channel_credentials.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/id_conversion.h"
+#include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/status_conversion.h"
 
 namespace overtone {
@@ -15,10 +17,11 @@ namespace {
 constexpr int kPageSize = 1000;
 constexpr int kMaxMessageBytes = 256 << 20;  // a trajectory of a million keyframes
 
-std::shared_ptr<grpc::Channel> CreateAdminChannel(const std::string& server) {
+std::shared_ptr<grpc::Channel> CreateAdminChannel(const std::string& server, const TlsFiles& tls) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
-  return grpc::CreateCustomChannel(server, grpc::InsecureChannelCredentials(), arguments);
+  const auto credentials = MakeChannelCredentials(tls, &arguments);
+  return grpc::CreateCustomChannel(server, credentials, arguments);
 }
 
 void Prepare(grpc::ClientContext* context, absl::Duration timeout) {
@@ -33,10 +36,10 @@ absl::Status Named(const std::string& server, const grpc::Status& status) {
 
 }  // namespace
 
-AdminClient::AdminClient(std::string server, absl::Duration timeout)
+AdminClient::AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls)
     : server_(std::move(server)),
       timeout_(timeout),
-      stub_(v1::MapAdminService::NewStub(CreateAdminChannel(server_))) {}
+      stub_(v1::MapAdminService::NewStub(CreateAdminChannel(server_, tls))) {}
 
 template <typename Request, typename Response>
 absl::StatusOr<Response> AdminClient::Call(Method<Request, Response> method,
@@ -150,6 +153,81 @@ absl::Status AdminClient::ExportMap(const std::string& map, v1::ExportFormat for
   RETURN_IF_ERROR(Named(server_, reader->Finish()));
   if (!out->flush()) return absl::UnavailableError("the file cannot be written");
   return absl::OkStatus();
+}
+
+absl::StatusOr<v1::BackupHeader> AdminClient::BackupMap(const std::string& map,
+                                                        const TakeChunk& take) {
+  v1::BackupMapRequest request;
+  request.set_map(map);
+  grpc::ClientContext context;
+  Prepare(&context, timeout_);
+  const auto reader = stub_->BackupMap(&context, request);
+  v1::BackupHeader header;
+  v1::BackupMapResponse response;
+  Sha256Sum sum;
+  int64_t bytes = 0;
+  absl::Status taken;
+  while (reader->Read(&response)) {
+    if (!taken.ok()) continue;  // cancelled, and the rest is of no interest
+    if (response.has_header()) header = response.header();
+    bytes += static_cast<int64_t>(response.chunk().size());
+    sum.Add(response.chunk());
+    taken = take(header, response.chunk());
+    if (!taken.ok()) context.TryCancel();
+  }
+  const grpc::Status status = reader->Finish();
+  RETURN_IF_ERROR(taken);
+  RETURN_IF_ERROR(Named(server_, status));
+  if (bytes == header.total_bytes() && sum.Finish() == header.sha256()) return header;
+  return absl::DataLossError(absl::StrCat("server ", server_, ": the ", bytes,
+                                          " bytes that came are not those that it announced"));
+}
+
+absl::StatusOr<v1::RestoreMapResponse> AdminClient::RestoreMap(const v1::RestoreHeader& header,
+                                                               const NextChunk& next) {
+  grpc::ClientContext context;
+  Prepare(&context, timeout_);
+  v1::RestoreMapResponse response;
+  const auto writer = stub_->RestoreMap(&context, &response);
+  v1::RestoreMapRequest request;
+  *request.mutable_header() = header;
+  absl::StatusOr<std::string> chunk = std::string();
+  // False: the server has ended the call and says why.
+  while (writer->Write(request)) {
+    chunk = next();
+    if (!chunk.ok()) context.TryCancel();
+    if (!chunk.ok() || chunk->empty()) break;
+    request.clear_header();
+    request.set_chunk(*std::move(chunk));
+    chunk = std::string();
+  }
+  writer->WritesDone();
+  const grpc::Status status = writer->Finish();
+  if (!chunk.ok()) return chunk.status();
+  RETURN_IF_ERROR(Named(server_, status));
+  return response;
+}
+
+absl::StatusOr<v1::StoreReport> AdminClient::VerifyMap(const std::string& map) {
+  v1::VerifyMapRequest request;
+  request.set_map(map);
+  ASSIGN_OR_RETURN(const v1::VerifyMapResponse response,
+                   Call(&v1::MapAdminService::Stub::VerifyMap, request));
+  return response.report();
+}
+
+absl::StatusOr<v1::DeleteMissionResponse> AdminClient::DeleteMission(const std::string& map,
+                                                                     const MissionId& mission) {
+  v1::DeleteMissionRequest request;
+  request.set_map(map);
+  *request.mutable_mission() = ToProto(mission);
+  return Call(&v1::MapAdminService::Stub::DeleteMission, request);
+}
+
+absl::StatusOr<v1::DeleteMapResponse> AdminClient::DeleteMap(const std::string& map) {
+  v1::DeleteMapRequest request;
+  request.set_map(map);
+  return Call(&v1::MapAdminService::Stub::DeleteMap, request);
 }
 
 }  // namespace overtone

@@ -3,6 +3,7 @@
 #ifndef OVERTONE_CLIENT_CLI_ADMIN_CLIENT_H_
 #define OVERTONE_CLIENT_CLI_ADMIN_CLIENT_H_
 
+#include <functional>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -11,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
+#include "overtone/client/tls_files.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/v1/map_admin_service.grpc.pb.h"
 
@@ -20,7 +22,7 @@ namespace overtone {
 // answer within `timeout`. Thread-safe.
 class AdminClient {
  public:
-  AdminClient(std::string server, absl::Duration timeout);
+  AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls = TlsFiles());
 
   absl::StatusOr<std::vector<v1::MapSummary>> ListMaps();
   // NotFound: no such map.
@@ -40,6 +42,19 @@ class AdminClient {
   absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const std::string& map,
                                                           const MissionId& mission);
   absl::Status ExportMap(const std::string& map, v1::ExportFormat format, std::ostream* out);
+  // `take` has the pieces in their order; its error ends the call and is returned. DataLoss: what
+  // came is not what was announced.
+  using TakeChunk = std::function<absl::Status(const v1::BackupHeader&, const std::string& chunk)>;
+  absl::StatusOr<v1::BackupHeader> BackupMap(const std::string& map, const TakeChunk& take);
+  // `next` gives at most 256 KiB each time, and nothing at the end; its error ends the call and is
+  // returned.
+  using NextChunk = std::function<absl::StatusOr<std::string>()>;
+  absl::StatusOr<v1::RestoreMapResponse> RestoreMap(const v1::RestoreHeader& header,
+                                                    const NextChunk& next);
+  absl::StatusOr<v1::StoreReport> VerifyMap(const std::string& map);
+  absl::StatusOr<v1::DeleteMissionResponse> DeleteMission(const std::string& map,
+                                                          const MissionId& mission);
+  absl::StatusOr<v1::DeleteMapResponse> DeleteMap(const std::string& map);
 
  private:
   template <typename Request, typename Response>

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "overtone/client/cli/exit_code.h"
+#include "overtone/client/cli/tls_flags.h"
 
 namespace overtone {
 
@@ -16,11 +17,13 @@ CLI::App* AddAdminCommand(CLI::App* app, const std::string& name, const std::str
   command->add_option("--timeout", flags->timeout_s, "Seconds to wait for the server")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  AddTlsFlags(command, &flags->tls);
   if (set.map) command->add_option("--map", flags->map, "Map")->capture_default_str();
   if (set.json) command->add_flag("--json", flags->json, "One JSON object per line");
-  command->callback([name, run, act = std::move(act)] {
-    *run = [name, act] {
-      const absl::Status status = act();
+  command->callback([name, run, flags, act = std::move(act)] {
+    *run = [name, flags, act] {
+      absl::Status status = CheckTlsFlags(flags->tls, flags->server);
+      if (status.ok()) status = act();
       return status.ok() ? 0 : Fail(name, status);
     };
   });

@@ -17,14 +17,15 @@ namespace overtone {
 
 struct AdminFlags {
   std::string server = "localhost:7077";
+  TlsFiles tls;
   std::string map = "default";
   bool json = false;
   double timeout_s = 10;
 
-  AdminClient Client() const { return AdminClient(server, absl::Seconds(timeout_s)); }
+  AdminClient Client() const { return AdminClient(server, absl::Seconds(timeout_s), tls); }
 };
 
-// Which of the flags a command takes beside --server and --timeout.
+// Which of the flags a command takes beside --server, --timeout and those of tls_flags.h.
 struct AdminFlagSet {
   bool map = true;
   bool json = false;

@@ -11,8 +11,8 @@
 #include "overtone/client/cli/evaluation_suite.h"
 #include "overtone/client/cli/evaluation_table.h"
 #include "overtone/client/cli/exit_code.h"
+#include "overtone/client/cli/output_files.h"
 #include "overtone/client/cli/replay.h"
-#include "overtone/client/cli/results.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {

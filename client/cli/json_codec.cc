@@ -34,9 +34,17 @@ absl::string_view ToString(ConstraintAction action) {
 
 Json ToJson(const NodeId& id) { return {id.mission.robot, id.mission.mission, id.index}; }
 
+// Json::get casts whatever number is there, which is undefined beyond the type's range.
+int64_t IntegerFromJson(const Json& json) {
+  const bool fits =
+      json.is_number_integer() && (!json.is_number_unsigned() || json.get<uint64_t>() <= INT64_MAX);
+  if (!fits) throw std::invalid_argument(json.dump() + " is not an integer below 2^63");
+  return json.get<int64_t>();
+}
+
 NodeId NodeIdFromJson(const Json& json) {
   return {{json.at(0).get<std::string>(), json.at(1).get<std::string>()},
-          json.at(2).get<int64_t>()};
+          IntegerFromJson(json.at(2))};
 }
 
 Json ToJson(const Rigid3d& pose) {
@@ -109,7 +117,7 @@ Matrix6d CovarianceFromJson(const Json& json) {
 
 Keyframe KeyframeFromJson(const Json& json) {
   Keyframe keyframe;
-  keyframe.stamp.ns = json.at("stamp_ns").get<int64_t>();
+  keyframe.stamp.ns = IntegerFromJson(json.at("stamp_ns"));
   keyframe.mission_from_body = PoseFromJson(json.at("mission_tform_body"));
   keyframe.motion_covariance = CovarianceFromJson(json.at("motion_covariance"));
   keyframe.degenerate = json.value("degenerate", false);
@@ -129,12 +137,12 @@ Constraint ConstraintFromJson(const Json& json) {
   constraint.kind = FromName(json.at("kind").get<std::string>(),
                              {ConstraintKind::kSmall, ConstraintKind::kMid, ConstraintKind::kLarge,
                               ConstraintKind::kDegenerate, ConstraintKind::kChord});
-  constraint.from = json.at("from").get<int64_t>();
-  constraint.to = json.at("to").get<int64_t>();
+  constraint.from = IntegerFromJson(json.at("from"));
+  constraint.to = IntegerFromJson(json.at("to"));
   constraint.from_tform_to = PoseFromJson(json.at("from_tform_to"));
   constraint.covariance = CovarianceFromJson(json.at("covariance"));
   constraint.score = json.at("score").get<double>();
-  constraint.revision = json.at("revision").get<uint64_t>();
+  constraint.revision = static_cast<uint64_t>(IntegerFromJson(json.at("revision")));
   return constraint;
 }
 

@@ -4,6 +4,7 @@
 #ifndef OVERTONE_CLIENT_CLI_JSON_CODEC_H_
 #define OVERTONE_CLIENT_CLI_JSON_CODEC_H_
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -27,6 +28,7 @@ Json ToJson(const ConstraintRecord& record);
 
 // These throw nlohmann::json::exception or std::exception for what does not fit: call them inside
 // Decode.
+int64_t IntegerFromJson(const Json& json);  // not 1.5, 1e50, 2^63 or true
 NodeId NodeIdFromJson(const Json& json);
 Rigid3d PoseFromJson(const Json& json);
 Matrix6d CovarianceFromJson(const Json& json);

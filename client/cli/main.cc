@@ -3,8 +3,10 @@
 
 #include "CLI/CLI.hpp"
 #include "overtone/client/cli/admin_commands.h"
+#include "overtone/client/cli/certs_command.h"
 #include "overtone/client/cli/closure_commands.h"
 #include "overtone/client/cli/evaluate_command.h"
+#include "overtone/client/cli/maintenance_commands.h"
 #include "overtone/client/cli/replay_command.h"
 #include "overtone/client/cli/robot_command.h"
 #include "overtone/client/cli/simulate_command.h"
@@ -22,6 +24,8 @@ int main(int argc, char** argv) {
   overtone::AddEvaluateCommand(&app, &run);
   overtone::AddAdminCommands(&app, &run);
   overtone::AddClosureCommands(&app, &run);
+  overtone::AddCertsCommand(&app, &run);
+  overtone::AddMaintenanceCommands(&app, &run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

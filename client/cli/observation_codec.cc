@@ -43,7 +43,7 @@ template <typename Sighting>
 std::vector<Sighting> SightingsFromJson(const Json& json, const char* key) {
   std::vector<Sighting> sightings;
   for (const Json& row : json) {
-    sightings.push_back({row.at("index").get<int64_t>(), row.at(key).get<std::string>(),
+    sightings.push_back({IntegerFromJson(row.at("index")), row.at(key).get<std::string>(),
                          VectorFromJson(row.at("point_in_body")),
                          PointCovarianceFromJson(row.at("covariance"))});
   }
@@ -80,14 +80,14 @@ Observations ObservationsFromJson(const Json& json) {
   Observations observations;
   for (const Json& row : json.value("clouds", none)) {
     observations.clouds.push_back(
-        {row.at("index").get<int64_t>(), row.at("file").get<std::string>(), nullptr});
+        {IntegerFromJson(row.at("index")), row.at("file").get<std::string>(), nullptr});
   }
   observations.landmark_sightings =
       SightingsFromJson<LandmarkSighting>(json.value("landmark_sightings", none), "landmark");
   observations.robot_sightings =
       SightingsFromJson<RobotSighting>(json.value("robot_sightings", none), "robot");
   for (const Json& row : json.value("absolute_poses", none)) {
-    observations.absolute_poses.push_back({row.at("index").get<int64_t>(),
+    observations.absolute_poses.push_back({IntegerFromJson(row.at("index")),
                                            PoseFromJson(row.at("map_tform_body")),
                                            CovarianceFromJson(row.at("covariance"))});
   }

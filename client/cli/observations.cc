@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "absl/strings/str_format.h"
-#include "overtone/client/cli/results.h"
+#include "overtone/client/cli/output_files.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/graph/point_cloud_io.h"
 

@@ -14,11 +14,13 @@
 #include "absl/time/clock.h"
 #include "overtone/client/cli/admin_client.h"
 #include "overtone/client/cli/interrupt.h"
+#include "overtone/client/cli/output_files.h"
 #include "overtone/client/cli/replay_input.h"
 #include "overtone/client/cli/replay_record.h"
 #include "overtone/client/cli/results.h"
 #include "overtone/client/cli/server_process.h"
 #include "overtone/client/cli/team.h"
+#include "overtone/client/cli/tls_flags.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {
@@ -46,14 +48,17 @@ class Replay {
                ? absl::FormatTime("replay-%Y%m%d-%H%M%S", absl::Now(), absl::UTCTimeZone())
                : options_.map;
     address_ = options_.server;
+    tls_ = options_.tls;
     if (address_.empty()) {
       ASSIGN_OR_RETURN(server_,
                        ServerProcess::Start(FindServerProgram(), ServerArguments(),
                                             options_.out + "/server.log", CheckInterrupted));
       address_ = server_->address();
+      tls_ = TlsFiles();  // loopback, plaintext
       std::cerr << "Mapping server " << server_->pid() << " listens on " << address_ << "\n";
     }
-    admin_ = std::make_unique<AdminClient>(address_, kAdminTimeout);
+    RETURN_IF_ERROR(CheckTlsFlags(tls_, address_));
+    admin_ = std::make_unique<AdminClient>(address_, kAdminTimeout, tls_);
     // What the map holds already, when it is one that exists.
     const absl::StatusOr<v1::MapSummary> map = admin_->GetMap(map_);
     if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
@@ -87,7 +92,10 @@ class Replay {
             ReducedNodes(client.multi_robot_graph ? all_keyframes : recordings[i].keyframes.size());
       }
       members.push_back({name, file, client.ToArguments()});
+      const TlsFiles tls = TlsFilesOfRobot(tls_, options_.robot_certs, name);
+      for (std::string& flag : TlsArguments(tls)) members.back().client_arguments.push_back(flag);
     }
+    ClearTlsEnvironment();  // every robot has its own
     TeamOptions team;
     team.program = std::filesystem::read_symlink("/proc/self/exe").string();
     team.server = address_;
@@ -185,6 +193,7 @@ class Replay {
   std::string address_;
   int64_t keyframes_before_ = 0;
   int64_t closures_before_ = 0;
+  TlsFiles tls_;
   std::unique_ptr<ServerProcess> server_;
   std::unique_ptr<AdminClient> admin_;
   std::unique_ptr<Team> team_;  // ends before the server

@@ -10,6 +10,7 @@
 #include "overtone/client/cli/exit_code.h"
 #include "overtone/client/cli/replay.h"
 #include "overtone/client/cli/table.h"
+#include "overtone/client/cli/tls_flags.h"
 
 namespace overtone {
 namespace {
@@ -142,6 +143,13 @@ void AddRunFlags(CLI::App* command, ReplayOptions* options) {
       ->add_option("--server", options->server,
                    "host:port of a running mapping server [starts one of its own on a free port]")
       ->group(group);
+  AddTlsFlags(command, &options->tls);
+  command
+      ->add_option("--tls-robot-certs", options->robot_certs,
+                   "Folder of robot-NAME.crt and robot-NAME.key, as `overtone certs` writes them; "
+                   "the other --tls flags are then the operator's")
+      ->envname("OVERTONE_TLS_ROBOT_CERTS")
+      ->group("Transport security");
   command
       ->add_option("--server-config", options->server_config,
                    "YAML file for the server that the replay starts")

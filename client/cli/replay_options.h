@@ -9,6 +9,7 @@
 #include "overtone/client/cli/client_flags.h"
 #include "overtone/client/cli/dataset.h"
 #include "overtone/client/cli/sensor_dataset.h"
+#include "overtone/client/tls_files.h"
 
 namespace overtone {
 
@@ -33,6 +34,8 @@ struct ReplayOptions {
   std::string odometry_sigma;
 
   std::string server;         // empty: one of our own
+  TlsFiles tls;               // the operator's, for a server that is not our own
+  std::string robot_certs;    // folder of the robots' certificates for it
   std::string server_config;  // of one of our own; empty: its defaults
   std::string map;            // empty: one of this run's own
   double speed = 0;           // data seconds per second; 0: as fast as possible

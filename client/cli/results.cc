@@ -10,6 +10,7 @@
 #include "overtone/client/cli/closure_file.h"
 #include "overtone/client/cli/closure_summary.h"
 #include "overtone/client/cli/evaluation.h"
+#include "overtone/client/cli/output_files.h"
 #include "overtone/client/cli/report.h"
 #include "overtone/core/common/format_number.h"
 #include "overtone/core/common/status_macros.h"
@@ -93,23 +94,6 @@ Json RobotToJson(const RobotResult& robot) {
 }
 
 }  // namespace
-
-absl::Status MakeFolder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (error) {
-    return absl::UnavailableError(absl::StrCat("cannot make folder ", path, ": ", error.message()));
-  }
-  return absl::OkStatus();
-}
-
-absl::Status WriteText(const std::string& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", path));
-  return absl::OkStatus();
-}
 
 absl::Status WriteConstraints(const std::string& path, const RunResult& result) {
   std::string text = "robot,id,kind,from,to,score,revision,action\n";

@@ -12,12 +12,6 @@
 
 namespace overtone {
 
-// Makes the folder and what is above it. Unavailable, naming it, when that fails.
-absl::Status MakeFolder(const std::string& path);
-
-// Over what is there. Unavailable, naming it.
-absl::Status WriteText(const std::string& path, const std::string& text);
-
 // Into an existing folder, over what is there.
 absl::Status WriteResults(const RunResult& result, const std::string& folder);
 

@@ -11,6 +11,7 @@
 #include "absl/strings/str_split.h"
 #include "overtone/client/cli/client_flags.h"
 #include "overtone/client/cli/robot_player.h"
+#include "overtone/client/cli/tls_flags.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {
@@ -21,6 +22,7 @@ struct RobotFlags {
   std::string server = "localhost:7077";
   std::string map = "default";
   double timeout_s = 300;
+  TlsFiles tls;
   ClientFlags client;
 };
 
@@ -44,9 +46,11 @@ absl::StatusOr<Json> Answer(const std::string& line, RobotPlayer* player) {
 }
 
 absl::StatusOr<std::unique_ptr<RobotPlayer>> MakePlayer(const RobotFlags& flags) {
+  RETURN_IF_ERROR(CheckTlsFlags(flags.tls, flags.server));
   ASSIGN_OR_RETURN(RobotRecording recording, ReadRobotRecording(flags.recording));
   MappingClientOptions options;
   options.server = flags.server;
+  options.tls = flags.tls;
   options.map = flags.map;
   options.log = LogToStderr;
   flags.client.ApplyTo(&options);
@@ -93,6 +97,7 @@ void AddRobotCommand(CLI::App* app, std::function<int()>* run) {
   command->add_option("--timeout", flags->timeout_s, "Seconds to wait for the server in each step")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  AddTlsFlags(command, &flags->tls);
   AddClientFlags(command, &flags->client);
   command->callback([flags, run] { *run = [flags] { return Run(*flags); }; });
 }

@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -43,6 +44,9 @@ absl::StatusOr<std::unique_ptr<ServerProcess>> ServerProcess::Start(
   ChildProcessOptions options;
   options.name = "mapping server";
   options.arguments = {program, "--listen", "127.0.0.1:0"};
+  if (std::find(arguments.begin(), arguments.end(), "--data-dir") == arguments.end()) {
+    options.arguments.insert(options.arguments.end(), {"--data-dir", ":memory:"});
+  }
   options.arguments.insert(options.arguments.end(), arguments.begin(), arguments.end());
   options.stderr_path = log_path;
   absl::StatusOr<std::unique_ptr<ChildProcess>> process = ChildProcess::Start(std::move(options));

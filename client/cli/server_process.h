@@ -20,8 +20,8 @@ std::string FindServerProgram();
 
 class ServerProcess {
  public:
-  // Starts `program --listen 127.0.0.1:0` and waits until it says where it listens. Its log goes to
-  // `log_path`.
+  // Starts `program --listen 127.0.0.1:0`, which keeps nothing unless `arguments` hold a
+  // --data-dir, and waits until it says where it listens. Its log goes to `log_path`.
   static absl::StatusOr<std::unique_ptr<ServerProcess>> Start(
       const std::string& program, const std::vector<std::string>& arguments,
       const std::string& log_path, const std::function<absl::Status()>& interrupted);

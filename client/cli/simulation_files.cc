@@ -7,7 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "nlohmann/json.hpp"
-#include "overtone/client/cli/results.h"
+#include "overtone/client/cli/output_files.h"
 #include "overtone/core/common/format_number.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/geometry/trajectory_io.h"

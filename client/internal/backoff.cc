@@ -15,6 +15,10 @@ absl::Duration Backoff::Next() {
   return delay;
 }
 
+bool IsAccessRefused(absl::StatusCode code) {
+  return code == absl::StatusCode::kUnauthenticated || code == absl::StatusCode::kPermissionDenied;
+}
+
 absl::Duration Backoff::Longest() {
   ceiling_ = max_;
   return Next();

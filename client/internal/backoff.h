@@ -35,6 +35,10 @@ class Backoff {
   std::mt19937_64 random_;
 };
 
+// The server knows us and will not have us, or does not know us: trying again soon is no use, but
+// an operator may change that at any time.
+bool IsAccessRefused(absl::StatusCode code);
+
 // Servers close connections that have become old, and restart; a stream that worked and then ends
 // that way is begun anew at once, and nobody need hear of it. But only once in kInterval: a server
 // that does so again and again is out of order. Not thread-safe.

@@ -2,68 +2,68 @@
 #include "overtone/client/internal/blob_queue.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace overtone {
 
 void BlobQueue::Push(OutboxItem blob) {
   bytes_ += blob.size;
-  ++count_[blob.sha256];
-  items_.push_back(std::move(blob));
+  ids_[blob.sha256].push_back(blob.id);
+  const int64_t id = blob.id;
+  items_.emplace_hint(items_.end(), id, std::move(blob));
 }
 
-void BlobQueue::Forget(const OutboxItem& blob) {
+OutboxItem BlobQueue::Take(Items::iterator it) {
+  OutboxItem blob = std::move(it->second);
+  items_.erase(it);
   bytes_ -= blob.size;
-  const auto it = count_.find(blob.sha256);
-  if (--it->second == 0) count_.erase(it);
-}
-
-OutboxItem BlobQueue::PopFront() {
-  OutboxItem blob = std::move(items_.front());
-  items_.pop_front();
-  Forget(blob);
+  const auto ids = ids_.find(blob.sha256);
+  ids->second.erase(std::find(ids->second.begin(), ids->second.end(), blob.id));
+  if (ids->second.empty()) ids_.erase(ids);
   return blob;
 }
 
+bool BlobQueue::MarkSaved(int64_t id) {
+  const auto it = items_.find(id);
+  if (it == items_.end()) return false;
+  it->second.saved = true;
+  it->second.bytes = nullptr;
+  return true;
+}
+
 const OutboxItem* BlobQueue::Find(const std::string& sha256) const {
-  if (!count_.contains(sha256)) return nullptr;
-  return &*std::find_if(items_.begin(), items_.end(),
-                        [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
+  const auto ids = ids_.find(sha256);
+  return ids == ids_.end() ? nullptr : &items_.at(ids->second.front());
 }
 
 std::vector<OutboxItem> BlobQueue::Remove(const std::string& sha256) {
   std::vector<OutboxItem> removed;
-  const auto count = count_.find(sha256);
-  for (int64_t left = count == count_.end() ? 0 : count->second; left > 0; --left) {
-    const auto it = std::find_if(items_.begin(), items_.end(),
-                                 [&](const OutboxItem& blob) { return blob.sha256 == sha256; });
-    Forget(*it);
-    removed.push_back(std::move(*it));
-    items_.erase(it);
-  }
+  while (const OutboxItem* blob = Find(sha256)) removed.push_back(Take(items_.find(blob->id)));
   return removed;
-}
-
-int64_t BlobQueue::RemoveIf(const std::function<bool(const OutboxItem&)>& condition) {
-  const int64_t before = size();
-  for (const OutboxItem& blob : items_) {
-    if (condition(blob)) Forget(blob);
-  }
-  items_.erase(std::remove_if(items_.begin(), items_.end(), condition), items_.end());
-  return before - size();
 }
 
 std::vector<OutboxItem> BlobQueue::RemoveThrough(int64_t sequence) {
   std::vector<OutboxItem> removed;
-  while (!empty() && items_.front().sequence <= sequence) removed.push_back(PopFront());
+  while (!empty() && items_.begin()->second.sequence <= sequence) removed.push_back(PopFront());
   return removed;
 }
 
 std::vector<OutboxItem> BlobQueue::RemoveFrom(int64_t sequence) {
   std::vector<OutboxItem> removed;
-  for (; !empty() && items_.back().sequence >= sequence; items_.pop_back()) {
-    Forget(items_.back());
-    removed.push_back(std::move(items_.back()));
+  while (!empty() && items_.rbegin()->second.sequence >= sequence) {
+    removed.push_back(Take(std::prev(items_.end())));
+  }
+  return removed;
+}
+
+std::vector<OutboxItem> BlobQueue::RemoveIf(
+    const std::function<bool(const OutboxItem&)>& condition) {
+  std::vector<OutboxItem> removed;
+  for (auto it = items_.begin(); it != items_.end();) {
+    const auto next = std::next(it);
+    if (condition(it->second)) removed.push_back(Take(it));
+    it = next;
   }
   return removed;
 }

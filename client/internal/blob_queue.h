@@ -4,8 +4,8 @@
 #define OVERTONE_CLIENT_INTERNAL_BLOB_QUEUE_H_
 
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,33 +14,34 @@
 
 namespace overtone {
 
-// By sequence. Two keyframes may have equal clouds: then there are two of that digest. What
-// leaves the queue is returned. Not thread-safe.
+// By id, and so by sequence. Two keyframes may have equal clouds: then there are two of that
+// digest. What leaves the queue is returned. No method but those that remove many takes more than
+// logarithmic time: a robot may collect a hundred thousand. Not thread-safe.
 class BlobQueue {
  public:
+  using Items = std::map<int64_t, OutboxItem>;
+
   int64_t bytes() const { return bytes_; }
-  // To be marked as saved; nothing else.
-  std::deque<OutboxItem>& items() { return items_; }
-  const std::deque<OutboxItem>& items() const { return items_; }
+  const Items& items() const { return items_; }
   bool empty() const { return items_.empty(); }
   int64_t size() const { return static_cast<int64_t>(items_.size()); }
 
-  // Its sequence is no smaller than the last one's.
+  // Its id is larger and its sequence no smaller than the last one's.
   void Push(OutboxItem blob);
-  OutboxItem PopFront();
+  OutboxItem PopFront() { return Take(items_.begin()); }
+  // It is in the file now. False: it is not there any more.
+  bool MarkSaved(int64_t id);
   const OutboxItem* Find(const std::string& sha256) const;  // null: not there
   std::vector<OutboxItem> Remove(const std::string& sha256);
   std::vector<OutboxItem> RemoveThrough(int64_t sequence);
   std::vector<OutboxItem> RemoveFrom(int64_t sequence);
-  // How many there were.
-  int64_t RemoveIf(const std::function<bool(const OutboxItem&)>& condition);
+  std::vector<OutboxItem> RemoveIf(const std::function<bool(const OutboxItem&)>& condition);
 
  private:
-  void Forget(const OutboxItem& blob);
+  OutboxItem Take(Items::iterator it);
 
-  // What is asked for and answered is near the front; what is not there is not looked for.
-  std::deque<OutboxItem> items_;
-  absl::flat_hash_map<std::string, int64_t> count_;  // by digest
+  Items items_;
+  absl::flat_hash_map<std::string, std::vector<int64_t>> ids_;  // by digest, increasing
   int64_t bytes_ = 0;
 };
 

@@ -3,8 +3,8 @@
 
 #include "absl/time/time.h"
 #include "grpcpp/create_channel.h"
-#include "grpcpp/security/credentials.h"
 #include "grpcpp/support/channel_arguments.h"
+#include "overtone/client/internal/channel_credentials.h"
 
 namespace overtone {
 namespace {
@@ -37,7 +37,8 @@ std::shared_ptr<grpc::Channel> CreateChannel(const MappingClientOptions& options
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL,
                    1);  // two clients in one process fail separately
   arguments.SetMaxReceiveMessageSize(kMaxReceiveBytes);
-  return grpc::CreateCustomChannel(options.server, grpc::InsecureChannelCredentials(), arguments);
+  const auto credentials = MakeChannelCredentials(options.tls, &arguments);
+  return grpc::CreateCustomChannel(options.server, credentials, arguments);
 }
 
 }  // namespace overtone

@@ -2,8 +2,10 @@
 #include "overtone/client/internal/graph_subscriber.h"
 
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "absl/strings/str_cat.h"
 #include "overtone/client/internal/exception_guard.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/graph_conversion.h"
@@ -50,11 +52,21 @@ void GraphSubscriber::Run() {
       continue;
     }
     const absl::Duration delay = backoff_.Next();
-    logger_.Warning("graph stream interrupted: ", status.ToString(), "; again in ",
-                    absl::FormatDuration(delay));
-    if (link_state_ == LinkState::kLive) SetLinkState(LinkState::kConnecting);
+    OnInterrupted(status, delay);
     if (Await(absl::Condition(&stopping_), Clock::now() + absl::ToChronoNanoseconds(delay))) return;
   }
+}
+
+void GraphSubscriber::OnInterrupted(const absl::Status& status, absl::Duration delay) {
+  const std::string again = absl::StrCat("; again in ", absl::FormatDuration(delay));
+  if (IsAccessRefused(status.code())) {
+    logger_.Error("the server refuses us: ", status.ToString(), again);
+    last_heard_ = Clock::now();  // it did answer
+    SetLinkState(LinkState::kRefused);
+    return;
+  }
+  logger_.Warning("graph stream interrupted: ", status.ToString(), again);
+  if (link_state_ != LinkState::kStale) SetLinkState(LinkState::kConnecting);
 }
 
 absl::Status GraphSubscriber::RunStream() {

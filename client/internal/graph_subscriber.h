@@ -50,6 +50,7 @@ class GraphSubscriber {
       ClientStream<grpc::ClientReadReactor<v1::WatchGraphResponse>, v1::WatchGraphResponse>;
 
   void Run();
+  void OnInterrupted(const absl::Status& status, absl::Duration delay);
   absl::Status RunStream();
   absl::Status HandleFrames(WatchStream& stream);
   absl::Status Handle(const v1::WatchGraphResponse& frame);

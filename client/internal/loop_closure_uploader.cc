@@ -80,6 +80,8 @@ absl::Status LoopClosureUploader::SendFront() {
   const absl::Status status = Call(request);
   // The batch has overtaken the submap that brings the map into being.
   if (absl::IsNotFound(status) && submaps_waiting) return status;
+  // Access can be granted any time; until then nothing is lost.
+  if (IsAccessRefused(status.code())) return status;
   if (IsRetryable(status.code()) || absl::IsCancelled(status)) return status;
   if (!status.ok()) on_refusal_(status);
   outbox_->PopLoopClosures();

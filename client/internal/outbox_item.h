@@ -2,9 +2,7 @@
 #ifndef OVERTONE_CLIENT_INTERNAL_OUTBOX_ITEM_H_
 #define OVERTONE_CLIENT_INTERNAL_OUTBOX_ITEM_H_
 
-#include <algorithm>
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <memory>
 #include <string>
@@ -32,12 +30,6 @@ struct OutboxItem {
   int64_t num_keyframes = 0;
   int64_t last_stamp_ns = 0;
 };
-
-// In every queue of the outbox what is saved comes before what is not.
-inline std::deque<OutboxItem>::const_iterator FirstUnsaved(const std::deque<OutboxItem>& items) {
-  return std::partition_point(items.begin(), items.end(),
-                              [](const OutboxItem& item) { return item.saved; });
-}
 
 // Where the mission goes on after all that was handed over.
 struct OutboxPosition {

@@ -58,19 +58,12 @@ void SubmapOutbox::Adopt(OutboxContent content) {
     bytes_ += item.size;
     QueueOf(item.kind).push_back(std::move(item));
   }
+  first_unsaved_id_ = next_id_;
   if (file_ != nullptr) synced_through_ = SavedThrough();
 }
 
 std::deque<OutboxItem>& SubmapOutbox::QueueOf(Kind kind) {
-  switch (kind) {
-    case Kind::kSubmap:
-      return submaps_;
-    case Kind::kBlob:
-      return blobs_.items();
-    case Kind::kLoopClosures:
-      break;
-  }
-  return loop_closures_;
+  return kind == Kind::kSubmap ? submaps_ : loop_closures_;
 }
 
 absl::Status SubmapOutbox::Reserve(int64_t bytes) {
@@ -311,10 +304,12 @@ void SubmapOutbox::PopLoopClosures() {
 int64_t SubmapOutbox::SavedThrough() const {
   if (path_.empty()) return -1;
   int64_t first_unsaved = position_.next_sequence;
-  for (const std::deque<OutboxItem>* queue : {&submaps_, &blobs_.items()}) {
-    const auto it = FirstUnsaved(*queue);
-    if (it != queue->end()) first_unsaved = std::min(first_unsaved, it->sequence);
-  }
+  const auto submap =
+      std::lower_bound(submaps_.begin(), submaps_.end(), first_unsaved_id_,
+                       [](const OutboxItem& item, int64_t id) { return item.id < id; });
+  if (submap != submaps_.end()) first_unsaved = std::min(first_unsaved, submap->sequence);
+  const auto blob = blobs_.items().lower_bound(first_unsaved_id_);
+  if (blob != blobs_.items().end()) first_unsaved = std::min(first_unsaved, blob->second.sequence);
   return first_unsaved - 1;
 }
 

@@ -165,7 +165,9 @@ class SubmapOutbox {
   int64_t SavedThrough() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   std::deque<OutboxItem>::iterator FindSubmap(int64_t sequence)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // Of submaps or of loop closures.
   std::deque<OutboxItem>& QueueOf(OutboxItem::Kind kind) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool MarkSaved(const OutboxItem& item) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   absl::StatusOr<SharedBytes> ReadFromFile(int64_t id) ABSL_LOCKS_EXCLUDED(mutex_, file_mutex_);
   absl::Status FlushLocked() ABSL_EXCLUSIVE_LOCKS_REQUIRED(file_mutex_);
@@ -195,6 +197,9 @@ class SubmapOutbox {
   OutboxPosition file_position_ ABSL_GUARDED_BY(mutex_);
   std::vector<int64_t> removed_ ABSL_GUARDED_BY(mutex_);  // ids that the file still holds
   int64_t next_id_ ABSL_GUARDED_BY(mutex_) = 1;
+  // What waits below this id is in the file, and what waits from it on is not: batches take
+  // everything in the order of arrival.
+  int64_t first_unsaved_id_ ABSL_GUARDED_BY(mutex_) = 1;
   int64_t bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // without blobs, with what is reserved
   int64_t reservations_ ABSL_GUARDED_BY(mutex_) = 0;
   int64_t submaps_acknowledged_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -2,6 +2,7 @@
 // How the outbox brings its file up to date.
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -71,19 +72,22 @@ std::optional<SubmapOutbox::Batch> SubmapOutbox::NextBatch() {
   absl::MutexLock lock(&mutex_);
   Batch batch;
   int64_t bytes = 0;
-  std::deque<OutboxItem>::const_iterator next[] = {
-      FirstUnsaved(submaps_), FirstUnsaved(blobs_.items()), FirstUnsaved(loop_closures_)};
-  const std::deque<OutboxItem>::const_iterator ends[] = {submaps_.end(), blobs_.items().end(),
-                                                         loop_closures_.end()};
+  auto submap = std::lower_bound(submaps_.begin(), submaps_.end(), first_unsaved_id_, ById);
+  auto closures =
+      std::lower_bound(loop_closures_.begin(), loop_closures_.end(), first_unsaved_id_, ById);
+  auto blob = blobs_.items().lower_bound(first_unsaved_id_);
   while (true) {
-    int oldest = -1;
-    for (int i = 0; i < 3; ++i) {
-      if (next[i] != ends[i] && (oldest < 0 || next[i]->id < next[oldest]->id)) oldest = i;
-    }
+    constexpr int64_t kNone = std::numeric_limits<int64_t>::max();
+    const int64_t submap_id = submap == submaps_.end() ? kNone : submap->id;
+    const int64_t closures_id = closures == loop_closures_.end() ? kNone : closures->id;
+    const int64_t blob_id = blob == blobs_.items().end() ? kNone : blob->first;
+    const int64_t oldest = std::min({submap_id, closures_id, blob_id});
     // A submap and its clouds go together.
-    if (oldest < 0 || (bytes >= kBatchBytes && next[oldest]->kind != Kind::kBlob)) break;
-    bytes += next[oldest]->size;
-    batch.added.push_back(*next[oldest]++);
+    if (oldest == kNone || (bytes >= kBatchBytes && oldest != blob_id)) break;
+    batch.added.push_back(oldest == submap_id     ? *submap++
+                          : oldest == closures_id ? *closures++
+                                                  : (blob++)->second);
+    bytes += batch.added.back().size;
   }
   batch.position = PositionAfter(batch);
   batch.removed.swap(removed_);
@@ -112,15 +116,21 @@ void SubmapOutbox::MarkSaved(const Batch& batch) {
   absl::MutexLock lock(&mutex_);
   file_position_ = batch.position;
   for (const OutboxItem& item : batch.added) {
-    std::deque<OutboxItem>& queue = QueueOf(item.kind);
-    const auto it = std::lower_bound(queue.begin(), queue.end(), item.id, ById);
-    if (it == queue.end() || it->id != item.id) {  // acknowledged or dropped meanwhile
-      removed_.push_back(item.id);
-      continue;
-    }
-    it->saved = true;
-    it->bytes = nullptr;
+    first_unsaved_id_ = item.id + 1;
+    // What was acknowledged or dropped meanwhile goes from the file again.
+    if (!MarkSaved(item)) removed_.push_back(item.id);
   }
+}
+
+// False: it does not wait any more.
+bool SubmapOutbox::MarkSaved(const OutboxItem& item) {
+  if (item.kind == Kind::kBlob) return blobs_.MarkSaved(item.id);
+  std::deque<OutboxItem>& queue = QueueOf(item.kind);
+  const auto it = std::lower_bound(queue.begin(), queue.end(), item.id, ById);
+  if (it == queue.end() || it->id != item.id) return false;
+  it->saved = true;
+  it->bytes = nullptr;
+  return true;
 }
 
 // Where the file could not be opened before. What it may hold is of an earlier life.
@@ -168,7 +178,7 @@ void SubmapOutbox::Reconcile(const OutboxContent& content) {
       }
       queue->erase(std::remove_if(queue->begin(), queue->end(), is_lost), queue->end());
     }
-    lost_blobs = blobs_.RemoveIf(is_lost);
+    lost_blobs = static_cast<int64_t>(blobs_.RemoveIf(is_lost).size());
     position_.clouds_dropped += lost_blobs;
   }
   if (lost + lost_blobs == 0) return;

@@ -10,6 +10,10 @@ namespace overtone {
 
 absl::Status SubmapSender::OnReady(const v1::UploadReady& ready) {
   if (ready_) return absl::InternalError("a second Ready on one stream");
+  if (ready.next_sequence() < 0) {
+    return absl::InternalError(
+        absl::StrCat("the server expects submap ", ready.next_sequence(), ", which there is not"));
+  }
   ready_ = true;
   next_ = ready.next_sequence();
   window_bytes_ = ready.window_bytes();

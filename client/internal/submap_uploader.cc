@@ -58,10 +58,17 @@ void SubmapUploader::Run() {
 absl::Duration SubmapUploader::DelayAfter(const absl::Status& status) {
   // Nothing that trying again soon would mend.
   const bool gap = absl::IsDataLoss(status);
-  const absl::Duration delay = gap ? settings_.backoff.Longest() : settings_.backoff.Next();
+  const bool refused = IsAccessRefused(status.code());
+  const absl::Duration delay =
+      gap || refused ? settings_.backoff.Longest() : settings_.backoff.Next();
   if (gap && std::exchange(gap_told_, true)) return delay;
-  logger_.Warning("upload interrupted: ", status.ToString(), "; again in ",
+  if (refused) {
+    logger_.Error("upload refused: ", status.ToString(), "; again in ",
                   absl::FormatDuration(delay));
+  } else {
+    logger_.Warning("upload interrupted: ", status.ToString(), "; again in ",
+                    absl::FormatDuration(delay));
+  }
   if (gap) {
     const std::optional<SubmapHead> waiting = outbox_->FirstSubmapFrom(0);
     listener_.on_gap(waiting ? waiting->sequence : outbox_->LastSequence() + 1, status);

@@ -5,7 +5,12 @@
 #ifndef OVERTONE_CORE_ESTIMATION_SERIAL_OPENMP_H_
 #define OVERTONE_CORE_ESTIMATION_SERIAL_OPENMP_H_
 
-#include <omp.h>
+// Of OpenMP's C interface. Not from omp.h, which belongs to a compiler and not to the runtime that
+// CHOLMOD loads.
+extern "C" {
+int omp_get_max_active_levels(void);
+void omp_set_max_active_levels(int levels);
+}
 
 namespace overtone {
 

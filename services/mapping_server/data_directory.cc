@@ -43,9 +43,18 @@ absl::Status DataDirectory::Open() {
   const std::string lock = absl::StrCat(path_, "/lock");
   lock_ = open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock_ < 0) return absl::ErrnoToStatus(errno, absl::StrCat("data_dir: ", lock));
-  if (flock(lock_, LOCK_EX | LOCK_NB) == 0) return absl::OkStatus();
-  return absl::FailedPreconditionError(
-      absl::StrCat("data_dir: another server runs on ", path_, "; stop it or use another folder"));
+  if (flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    return absl::FailedPreconditionError(absl::StrCat("data_dir: another server runs on ", path_,
+                                                      "; stop it or use another folder"));
+  }
+  std::error_code error;
+  fs::remove_all(Transfers(), error);
+  return error ? Error(Transfers(), error) : MakePrivateFolder(Transfers());
+}
+
+std::string DataDirectory::Transfers() const {
+  std::error_code ignored;
+  return InMemory() ? fs::temp_directory_path(ignored).string() : path_ + "/transfers";
 }
 
 std::string DataDirectory::Folder(const std::string& map) const {
@@ -69,6 +78,17 @@ bool DataDirectory::Has(const std::string& map) const {
   return !InMemory() && fs::exists(absl::StrCat(Folder(map), "/map.db"), ignored);
 }
 
+int64_t DataDirectory::BytesOf(const std::string& map) const {
+  int64_t bytes = 0;
+  std::error_code error;
+  if (InMemory()) return bytes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(Folder(map), error)) {
+    const uintmax_t size = entry.file_size(error);
+    if (!error) bytes += static_cast<int64_t>(size);
+  }
+  return bytes;
+}
+
 absl::StatusOr<std::string> DataDirectory::Prepare(const std::string& map) const {
   if (InMemory()) return std::string(kMemory);
   RETURN_IF_ERROR(MakePrivateFolder(Folder(map)));
@@ -85,7 +105,7 @@ absl::Status DataDirectory::Remove(const std::string& map) const {
 void DataDirectory::RemoveEmpty(const std::string& map) const {
   if (InMemory()) return;
   std::error_code ignored;
-  for (const char* file : {"/map.db", "/map.db-wal", "/map.db-shm"}) {
+  for (const char* file : {"/map.db", "/map.db-wal", "/map.db-shm", "/map.db-mark"}) {
     fs::remove(Folder(map) + file, ignored);
   }
   fs::remove(Folder(map), ignored);  // fails while something else lies there

@@ -34,7 +34,7 @@ void GraphPublisher::Subscribe(std::shared_ptr<GraphReader> reader, Subscription
     }
     readers_[reader.get()] = {reader, subscription, absl::InfinitePast()};
   });
-  if (!taken) reader->End(absl::UnavailableError("the server is shutting down"));
+  if (!taken) reader->End(Stopped());
 }
 
 void GraphPublisher::Ready(const GraphReader* reader) {
@@ -52,12 +52,13 @@ void GraphPublisher::GetNewest(GraphQuery query, GraphEncoding encoding,
                                std::function<void(absl::StatusOr<v1::Graph>)> done) {
   const bool taken = Enqueue(
       [this, query = std::move(query), encoding, done] { done(frames_.Newest(query, encoding)); });
-  if (!taken) done(absl::UnavailableError("the server is shutting down"));
+  if (!taken) done(Stopped());
 }
 
-void GraphPublisher::Stop() {
+void GraphPublisher::Stop(const std::string& why) {
   {
     absl::MutexLock lock(&mutex_);
+    if (!stopping_) why_ = why;
     stopping_ = true;
   }
   if (thread_.joinable()) thread_.join();
@@ -129,10 +130,14 @@ bool GraphPublisher::ServeReader(Reader& reader, absl::Time now) {
   return true;
 }
 
+absl::Status GraphPublisher::Stopped() {
+  absl::MutexLock lock(&mutex_);
+  return absl::UnavailableError(why_);
+}
+
 void GraphPublisher::EndReaders() {
-  for (auto& [key, reader] : readers_) {
-    reader.reader->End(absl::UnavailableError("the server is shutting down"));
-  }
+  const absl::Status stopped = Stopped();
+  for (auto& [key, reader] : readers_) reader.reader->End(stopped);
   readers_.clear();
 }
 

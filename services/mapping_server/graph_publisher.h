@@ -55,8 +55,9 @@ class GraphPublisher {
   void GetNewest(GraphQuery query, GraphEncoding encoding,
                  std::function<void(absl::StatusOr<v1::Graph>)> done);
 
-  // Ends every reader with UNAVAILABLE and the thread. Not from the publisher's thread.
-  void Stop();
+  // Ends every reader with UNAVAILABLE, saying why, and the thread. Not from the publisher's
+  // thread.
+  void Stop(const std::string& why = "the server is shutting down");
 
  private:
   struct Reader {
@@ -76,6 +77,7 @@ class GraphPublisher {
   // False: the reader was ended.
   bool ServeReader(Reader& reader, absl::Time now);
   void EndReaders();
+  absl::Status Stopped();
 
   const std::string map_;
   const int max_readers_;
@@ -89,7 +91,8 @@ class GraphPublisher {
   std::vector<Command> commands_ ABSL_GUARDED_BY(mutex_);
   std::shared_ptr<const MapSnapshot> snapshot_ ABSL_GUARDED_BY(mutex_);  // newest, not taken yet
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;  // last: starts when all else is there
+  std::string why_ ABSL_GUARDED_BY(mutex_);  // it stops
+  std::thread thread_;                       // last: starts when all else is there
 };
 
 }  // namespace overtone

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -26,12 +27,14 @@ class TerminationSignals {
     sigemptyset(&signals_);
     sigaddset(&signals_, SIGINT);
     sigaddset(&signals_, SIGTERM);
+    sigaddset(&signals_, SIGHUP);
     pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
   }
 
-  void Wait() const {
+  // Until the end is asked for. SIGHUP only calls `reload`.
+  void Wait(const std::function<void()>& reload) const {
     int signal = 0;
-    sigwait(&signals_, &signal);
+    while (sigwait(&signals_, &signal) == 0 && signal == SIGHUP) reload();
   }
 
  private:
@@ -41,13 +44,19 @@ class TerminationSignals {
 struct Flags {
   std::string config;
   std::string listen;
+  std::string data_dir;
   std::string log_level;
+  bool insecure = false;
 };
 
 void Declare(CLI::App& app, Flags& flags) {
   app.set_version_flag("--version", OVERTONE_VERSION);
   app.add_option("--config", flags.config, "YAML file; configs/default.yaml lists the keys");
   app.add_option("--listen", flags.listen, "host:port; port 0 takes a free one");
+  app.add_option("--data-dir", flags.data_dir,
+                 "where maps are kept over restarts; :memory: keeps them as long as the process");
+  app.add_flag("--insecure", flags.insecure,
+               "Serve without certificates where other hosts can reach us; they may do everything");
   app.add_option("--log-level", flags.log_level,
                  "trace, debug, info, warning, error, critical or off");
 }
@@ -56,6 +65,8 @@ absl::StatusOr<ServerOptions> ReadOptions(const Flags& flags) {
   ServerOptions options;
   if (!flags.config.empty()) RETURN_IF_ERROR(ReadOptionsFile(flags.config, options));
   if (!flags.listen.empty()) options.listen = flags.listen;
+  if (!flags.data_dir.empty()) options.data_dir = flags.data_dir;
+  if (flags.insecure) options.security.insecure = true;
   if (!flags.log_level.empty()) options.log_level = flags.log_level;
   RETURN_IF_ERROR(options.Validate());
   return options;
@@ -81,7 +92,7 @@ absl::Status Serve(const Flags& flags) {
   ASSIGN_OR_RETURN(const std::unique_ptr<MappingServer> server, MappingServer::Start(options));
   // Who started us reads the port from this line.
   std::cout << "listening on " << server->address() << std::endl;
-  signals.Wait();
+  signals.Wait([&server] { server->ReloadSecurity(); });
   server->Shutdown(absl::Seconds(options.shutdown_s));
   return absl::OkStatus();
 }

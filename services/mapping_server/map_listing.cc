@@ -112,9 +112,12 @@ v1::Node Describe(const SnapshotMission& mission, size_t index, bool submap_star
 
 }  // namespace
 
-absl::StatusOr<v1::ListMapsResponse> ListMaps(const MapRegistry& registry,
-                                              const v1::ListMapsRequest& request) {
-  const std::vector<std::shared_ptr<HostedMap>> maps = registry.List();
+absl::StatusOr<v1::ListMapsResponse> ListMaps(
+    const MapRegistry& registry, const std::function<bool(const std::string& map)>& visible,
+    const v1::ListMapsRequest& request) {
+  std::vector<std::shared_ptr<HostedMap>> maps = registry.List();
+  const auto is_hidden = [&](const auto& map) { return !visible(map->id()); };
+  maps.erase(std::remove_if(maps.begin(), maps.end(), is_hidden), maps.end());
   std::vector<std::string> keys;
   for (const std::shared_ptr<HostedMap>& map : maps) keys.push_back(map->id());
   ASSIGN_OR_RETURN(Page page, SelectPage(keys, request.page_size(), request.page_token()));

@@ -4,6 +4,9 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_MAP_LISTING_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_MAP_LISTING_H_
 
+#include <functional>
+#include <string>
+
 #include "absl/status/statusor.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
@@ -11,8 +14,10 @@
 
 namespace overtone {
 
-absl::StatusOr<v1::ListMapsResponse> ListMaps(const MapRegistry& registry,
-                                              const v1::ListMapsRequest& request);
+// Of those that `visible` holds for.
+absl::StatusOr<v1::ListMapsResponse> ListMaps(
+    const MapRegistry& registry, const std::function<bool(const std::string& map)>& visible,
+    const v1::ListMapsRequest& request);
 // As stored: what is not in a revision yet counts.
 absl::StatusOr<v1::ListRobotsResponse> ListRobots(const MapRegistry& registry,
                                                   const UploadSessions& sessions,

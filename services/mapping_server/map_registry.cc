@@ -109,6 +109,7 @@ absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Acquire(const std::strin
   absl::StatusOr<std::shared_ptr<HostedMap>> map = OpenMap(id, HostedMap::Epoch::kKeep);
   absl::MutexLock lock(&mutex_);
   opening_.erase(id);
+  if (map.ok() && rebuilding_.count(id) > 0) return CheckAvailable(id);
   if (map.ok()) waiting_[id] = *map;
   return map;
 }
@@ -116,6 +117,7 @@ absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Acquire(const std::strin
 void MapRegistry::Keep(const std::shared_ptr<HostedMap>& map) {
   absl::MutexLock lock(&mutex_);
   if (stopping_) return;  // stored while we end: kept, it would never be closed
+  if (rebuilding_.count(map->id()) > 0) return;  // which opens it again
   maps_.emplace(map->id(), map);
   waiting_.erase(map->id());
 }
@@ -127,46 +129,72 @@ std::vector<std::shared_ptr<HostedMap>> MapRegistry::List() const {
   return maps;
 }
 
+absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::TakeAway(const std::string& id,
+                                                                 Existing existing) {
+  absl::MutexLock lock(&mutex_);
+  RETURN_IF_ERROR(CheckAvailable(id));
+  const auto found = maps_.find(id);
+  const bool in_use = open_.count(id) > 0 || opening_.count(id) > 0;
+  const bool is_there = found != maps_.end() || (!in_use && directory_.Has(id));
+  if (!is_there && existing == Existing::kChange) {
+    return absl::NotFoundError(absl::StrCat("map: there is no '", id, "'"));
+  }
+  if (is_there && existing == Existing::kCreate) {
+    return absl::AlreadyExistsError(absl::StrCat("map: there is a '", id, "' already"));
+  }
+  if (!is_there && maps_.size() >= static_cast<size_t>(options_.limits.max_maps)) {
+    return absl::ResourceExhaustedError(
+        absl::StrCat("map: the server has ", options_.limits.max_maps, " already, its limit"));
+  }
+  rebuilding_.insert(id);
+  if (found == maps_.end()) {
+    const auto waiting = waiting_.find(id);
+    return waiting == waiting_.end() ? nullptr : waiting->second.lock();
+  }
+  std::shared_ptr<HostedMap> map = std::move(found->second);
+  maps_.erase(found);
+  return map;
+}
+
 void MapRegistry::AwaitClosed(const std::string& id) {
   absl::MutexLock lock(&mutex_);
-  const auto closed = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) { return open_.count(id) == 0; };
+  const auto closed = [&]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return open_.count(id) == 0 && opening_.count(id) == 0;
+  };
   mutex_.Await(absl::Condition(&closed));
+}
+
+absl::Status MapRegistry::Reopen(const std::string& id) {
+  if (!directory_.Has(id)) return absl::OkStatus();
+  ASSIGN_OR_RETURN(std::shared_ptr<HostedMap> map, OpenMap(id, HostedMap::Epoch::kNew));
+  if (map->store().Missions().empty()) {
+    map.reset();
+    AwaitClosed(id);  // its files are gone then
+    return absl::OkStatus();
+  }
+  absl::MutexLock lock(&mutex_);
+  maps_.emplace(id, map);
+  return absl::OkStatus();
 }
 
 absl::Status MapRegistry::Rebuild(
     const std::string& id, Existing existing, UploadSessions* sessions,
     const std::function<absl::Status(const std::string& path)>& change) {
   RETURN_IF_ERROR(ValidateId(id, "map"));
-  std::shared_ptr<HostedMap> map;
-  {
-    absl::MutexLock lock(&mutex_);
-    RETURN_IF_ERROR(CheckAvailable(id));
-    const auto found = maps_.find(id);
-    if (found == maps_.end() && existing == Existing::kChange) {
-      return absl::NotFoundError(absl::StrCat("map: there is no '", id, "'"));
-    }
-    if (found != maps_.end() && existing == Existing::kCreate) {
-      return absl::AlreadyExistsError(absl::StrCat("map: there is a '", id, "' already"));
-    }
-    if (found != maps_.end()) {
-      map = std::move(found->second);
-      maps_.erase(found);
-    } else if (waiting_.count(id) > 0) {
-      map = waiting_[id].lock();
-    }
-    rebuilding_.insert(id);
-  }
-  sessions->End(id, absl::UnavailableError("the map is being changed; try again"));
-  if (map != nullptr) map->publisher().Stop();
+  ASSIGN_OR_RETURN(std::shared_ptr<HostedMap> map, TakeAway(id, existing));
+  const std::string why = "the map is being changed; try again";
+  sessions->End(id, absl::UnavailableError(why));
+  if (map != nullptr) map->publisher().Stop(why);
   map.reset();
   AwaitClosed(id);
-  absl::StatusOr<std::string> path = directory_.Prepare(id);
-  absl::Status status = path.ok() ? change(*path) : path.status();
-  if (directory_.Has(id)) {
-    const auto reopened = OpenMap(id, HostedMap::Epoch::kNew);
-    if (reopened.ok() && !(*reopened)->store().Missions().empty()) Keep(*reopened);
-    status.Update(reopened.status());
+  absl::Status status;
+  if (existing == Existing::kCreate && directory_.Has(id)) {
+    status = absl::AlreadyExistsError(absl::StrCat("map: a robot has just begun '", id, "'"));
+  } else {
+    const absl::StatusOr<std::string> path = directory_.Prepare(id);
+    status = path.ok() ? change(*path) : path.status();
   }
+  status.Update(Reopen(id));
   absl::MutexLock lock(&mutex_);
   rebuilding_.erase(id);
   return status;

@@ -43,14 +43,17 @@ class MapRegistry {
   // From now on the map stays; but not after Stop.
   void Keep(const std::shared_ptr<HostedMap>& map);
 
+  const DataDirectory& directory() const { return directory_; }
+
   // By id.
   std::vector<std::shared_ptr<HostedMap>> List() const;
 
   // Changes a map as a whole: ends its readers and uploads, waits until nobody holds it any more,
   // and calls `change` with the path of its closed store; then opens it again with a new epoch, if
-  // the store is still there. The caller holds no map, and is on no thread of one. NotFound: no
-  // such map. AlreadyExists: there is one (for kCreate).
-  enum class Existing { kChange, kCreate };
+  // the store is still there. The caller holds no map, and is on no thread of one. A map that could
+  // not be opened is one too. NotFound: no such map (for kChange). AlreadyExists: there is one (for
+  // kCreate). ResourceExhausted: too many maps. An error of `change` leaves what it left.
+  enum class Existing { kChange, kCreate, kEither };
   absl::Status Rebuild(const std::string& id, Existing existing, UploadSessions* sessions,
                        const std::function<absl::Status(const std::string& path)>& change);
 
@@ -63,7 +66,10 @@ class MapRegistry {
   std::shared_ptr<HostedMap> Share(std::unique_ptr<HostedMap> map);
   absl::StatusOr<std::shared_ptr<HostedMap>> OpenMap(const std::string& id, HostedMap::Epoch epoch);
   absl::Status CheckAvailable(const std::string& id) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  // For Rebuild: from now on nobody else gets the map. Null when nobody holds it.
+  absl::StatusOr<std::shared_ptr<HostedMap>> TakeAway(const std::string& id, Existing existing);
   void AwaitClosed(const std::string& id);
+  absl::Status Reopen(const std::string& id);
 
   const ServerOptions options_;
   DataDirectory directory_;

@@ -134,6 +134,7 @@ void MappingPipeline::Start(const absl::optional<StoredCheckpoint>& checkpoint) 
     map_.StartAfter(kReservedRevisions);  // the process ended before the first was stored
   }
   absl::MutexLock lock(&mutex_);
+  in_hand_ = map_.dirty() ? 1 : 0;  // what the checkpoint does not take into account
   started_ = true;
   thread_ = std::thread([this] { Run(); });
 }
@@ -203,7 +204,7 @@ std::vector<MappingPipeline::Work> MappingPipeline::TakeWork() {
     last_work_ = absl::Now();
   }
   if (stopping_) return {};
-  in_hand_ = static_cast<int64_t>(work_.size());
+  in_hand_ = static_cast<int64_t>(work_.size()) + (map_.dirty() ? 1 : 0);
   return std::exchange(work_, {});
 }
 

@@ -47,15 +47,20 @@ void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& bui
 
 }  // namespace
 
-MappingServer::MappingServer(const ServerOptions& options)
+MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security)
     : options_(options),
+      security_(std::move(security)),
       registry_(options),
-      mapping_service_(options, &registry_, &sessions_),
-      map_admin_service_(options.limits.max_message_bytes, &registry_, &sessions_) {}
+      maintenance_(options.limits, &registry_, &sessions_),
+      mapping_service_(options, security_->access(), &registry_, &sessions_),
+      map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
+                         &sessions_, &maintenance_) {}
 
 absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
   RETURN_IF_ERROR(options.Validate());
-  std::unique_ptr<MappingServer> server(new MappingServer(options));
+  ASSIGN_OR_RETURN(std::unique_ptr<ServerSecurity> security,
+                   ServerSecurity::Create(options.security));
+  std::unique_ptr<MappingServer> server(new MappingServer(options, std::move(security)));
   RETURN_IF_ERROR(server->registry_.Open());
   RETURN_IF_ERROR(server->Listen());
   if (!options.metrics_listen.empty()) {
@@ -71,7 +76,7 @@ absl::Status MappingServer::Listen() {
   grpc::ServerBuilder builder;
   ConfigureConnections(options_, builder);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
-  builder.AddListeningPort(options_.listen, grpc::InsecureServerCredentials(), &port_);
+  builder.AddListeningPort(options_.listen, security_->Credentials(), &port_);
   builder.RegisterService(&mapping_service_);
   builder.RegisterService(&map_admin_service_);
   server_ = builder.BuildAndStart();
@@ -95,6 +100,7 @@ void MappingServer::Shutdown(absl::Duration deadline) {
   spdlog::info("shutting down");
   metrics_.reset();
   server_->GetHealthCheckService()->Shutdown();  // load balancers look elsewhere
+  maintenance_.Stop();
   sessions_.Stop();
   registry_.Stop();
   server_->Shutdown(absl::ToChronoTime(absl::Now() + deadline));

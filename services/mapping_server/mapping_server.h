@@ -9,9 +9,11 @@
 #include "absl/time/time.h"
 #include "grpcpp/grpcpp.h"
 #include "overtone/services/mapping_server/map_admin_service.h"
+#include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
+#include "overtone/services/mapping_server/security/server_security.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 
@@ -32,17 +34,22 @@ class MappingServer {
   // host:port, with the port that was taken.
   std::string address() const;
 
+  // Looks at certificates and access rules now; see ServerSecurity::Reload.
+  void ReloadSecurity() { security_->Reload(); }
+
   // Ends the streams with UNAVAILABLE, lets calls finish until `deadline` has passed, then cancels
-  // what is left. Calling it again does nothing.
+  // what is left. An operator's work on a whole map is finished. Calling it again does nothing.
   void Shutdown(absl::Duration deadline);
 
  private:
-  explicit MappingServer(const ServerOptions& options);
+  MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security);
   absl::Status Listen();
 
   const ServerOptions options_;
+  const std::unique_ptr<ServerSecurity> security_;
   MapRegistry registry_;
   UploadSessions sessions_;
+  MapMaintenance maintenance_;
   MappingService mapping_service_;
   MapAdminService map_admin_service_;
   std::unique_ptr<MetricsEndpoint> metrics_;

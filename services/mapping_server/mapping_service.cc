@@ -8,9 +8,9 @@
 
 namespace overtone {
 
-MappingService::MappingService(const ServerOptions& options, MapRegistry* registry,
-                               UploadSessions* sessions)
-    : options_(options), registry_(registry), sessions_(sessions) {}
+MappingService::MappingService(const ServerOptions& options, AccessControl* access,
+                               MapRegistry* registry, UploadSessions* sessions)
+    : options_(options), access_(access), registry_(registry), sessions_(sessions) {}
 
 grpc::ServerUnaryReactor* MappingService::GetServerInfo(grpc::CallbackServerContext* context,
                                                         const v1::GetServerInfoRequest*,
@@ -19,31 +19,41 @@ grpc::ServerUnaryReactor* MappingService::GetServerInfo(grpc::CallbackServerCont
 }
 
 grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>*
-MappingService::UploadSubmaps(grpc::CallbackServerContext*) {
-  return overtone::UploadSubmaps::Start(registry_, sessions_, options_.limits);
+MappingService::UploadSubmaps(grpc::CallbackServerContext* context) {
+  return overtone::UploadSubmaps::Start(StreamAccess(access_, *context), registry_, sessions_,
+                                        options_.limits);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerContext* context,
                                                          const v1::GetUploadStateRequest* request,
                                                          v1::GetUploadStateResponse* response) {
-  return Answer(context, overtone::GetUploadState(*registry_, *request), response);
+  const absl::Status may =
+      access_->MayWrite(*context, request->map(), request->mission().robot(), "");
+  return Guarded(context, may, [&] {
+    return Answer(context, overtone::GetUploadState(*registry_, *request), response);
+  });
 }
 
 grpc::ServerUnaryReactor* MappingService::AddLoopClosures(grpc::CallbackServerContext* context,
                                                           const v1::AddLoopClosuresRequest* request,
                                                           v1::AddLoopClosuresResponse* response) {
-  return overtone::AddLoopClosures(context, *registry_, *request, response);
+  return Guarded(context, access_->MayAddClosures(*context, *request), [&] {
+    return overtone::AddLoopClosures(context, *registry_, *request, response);
+  });
 }
 
 grpc::ServerWriteReactor<grpc::ByteBuffer>* MappingService::WatchGraph(
-    grpc::CallbackServerContext*, const grpc::ByteBuffer* request) {
-  return overtone::WatchGraph::Start(registry_, options_.graph.max_nodes, *request);
+    grpc::CallbackServerContext* context, const grpc::ByteBuffer* request) {
+  return overtone::WatchGraph::Start(StreamAccess(access_, *context), registry_,
+                                     options_.graph.max_nodes, *request);
 }
 
 grpc::ServerUnaryReactor* MappingService::GetGraph(grpc::CallbackServerContext* context,
                                                    const v1::GetGraphRequest* request,
                                                    v1::GetGraphResponse* response) {
-  return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
+  return Guarded(context, access_->MayRead(*context, request->map()), [&] {
+    return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
+  });
 }
 
 }  // namespace overtone

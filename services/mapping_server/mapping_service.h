@@ -4,6 +4,7 @@
 
 #include "grpcpp/grpcpp.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/security/access_control.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/v1/mapping_service.grpc.pb.h"
@@ -19,11 +20,12 @@ using MappingServiceBase = v1::MappingService::WithCallbackMethod_GetServerInfo<
                     v1::MappingService::WithCallbackMethod_GetGraph<
                         v1::MappingService::Service>>>>>>;
 
-// The table of contents: what a robot calls, and where it is done. Registry and sessions outlive
-// the service.
+// The table of contents: what a robot calls, who may, and where it is done. Access control,
+// registry and sessions outlive the service.
 class MappingService final : public MappingServiceBase {
  public:
-  MappingService(const ServerOptions& options, MapRegistry* registry, UploadSessions* sessions);
+  MappingService(const ServerOptions& options, AccessControl* access, MapRegistry* registry,
+                 UploadSessions* sessions);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1::GetServerInfoRequest* request,
@@ -44,6 +46,7 @@ class MappingService final : public MappingServiceBase {
 
  private:
   const ServerOptions options_;
+  AccessControl* const access_;
   MapRegistry* const registry_;
   UploadSessions* const sessions_;
 };

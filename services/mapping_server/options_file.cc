@@ -56,6 +56,7 @@ Key Into(T& option) {
 
 // The one list of keys.
 std::map<std::string, Key> Keys(ServerOptions& options) {
+  SecurityOptions& security = options.security;
   ServerLimits& limits = options.limits;
   PublisherOptions& publisher = options.publisher;
   GraphMonitorOptions& graph = options.graph;
@@ -69,6 +70,13 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"reflection", Into(options.reflection)},
       {"keepalive_s", Into(options.keepalive_s)},
       {"shutdown_s", Into(options.shutdown_s)},
+      {"tls.ca_file", Into(security.files.ca_file)},
+      {"tls.certificate_file", Into(security.files.certificate_file)},
+      {"tls.key_file", Into(security.files.key_file)},
+      {"tls.accept_dns_names", Into(security.accept_dns_names)},
+      {"tls.reload_s", Into(security.reload_s)},
+      {"access_file", Into(security.access_file)},
+      {"insecure", Into(security.insecure)},
       {"limits.max_message_bytes", Into(limits.max_message_bytes)},
       {"limits.upload_window_bytes", Into(limits.upload_window_bytes)},
       {"limits.max_maps", Into(limits.max_maps)},
@@ -77,6 +85,7 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"limits.max_loop_closures_per_map", Into(limits.max_loop_closures_per_map)},
       {"limits.max_blob_bytes", Into(limits.max_blob_bytes)},
       {"limits.max_stored_blob_bytes", Into(limits.max_stored_blob_bytes)},
+      {"limits.max_restore_bytes", Into(limits.max_restore_bytes)},
       {"limits.max_watchers_per_map", Into(limits.max_watchers_per_map)},
       {"limits.max_concurrent_streams", Into(limits.max_concurrent_streams)},
       {"publisher.heartbeat_s", Into(publisher.heartbeat_s)},

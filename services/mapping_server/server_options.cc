@@ -56,6 +56,7 @@ absl::Status ServerLimits::Validate() const {
                                    limits::kMaxKeyframeIndex));
   RETURN_IF_ERROR(InRange<int64_t>("max_blob_bytes", max_blob_bytes, 1, limits::kMaxBlobBytes));
   RETURN_IF_ERROR(InRange<int64_t>("max_stored_blob_bytes", max_stored_blob_bytes, 0, 1024 * kGiB));
+  RETURN_IF_ERROR(InRange<int64_t>("max_restore_bytes", max_restore_bytes, 1 << 20, 1024 * kGiB));
   RETURN_IF_ERROR(InRange("max_watchers_per_map", max_watchers_per_map, 1, 1'000'000));
   return InRange("max_concurrent_streams", max_concurrent_streams, 1, 1'000'000);
 }
@@ -73,6 +74,7 @@ absl::Status ServerOptions::Validate() const {
   if (data_dir.empty()) return InvalidField("data_dir", "must name a folder, or :memory:");
   if (!metrics_listen.empty()) RETURN_IF_ERROR(ValidateListen("metrics_listen", metrics_listen));
   RETURN_IF_ERROR(ValidateLogLevel(log_level));
+  RETURN_IF_ERROR(security.Validate(listen));
   RETURN_IF_ERROR(InRange("keepalive_s", keepalive_s, 1.0, 3600.0));
   RETURN_IF_ERROR(InRange("shutdown_s", shutdown_s, 0.0, 600.0));
   RETURN_IF_ERROR(AtField("limits", limits.Validate()));

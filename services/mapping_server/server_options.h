@@ -13,6 +13,7 @@
 #include "overtone/proto/conversion/graph_columns.h"
 #include "overtone/proto/conversion/published_graph.h"
 #include "overtone/services/mapping_server/loop_detector.h"
+#include "overtone/services/mapping_server/security/security_options.h"
 
 namespace overtone {
 
@@ -29,6 +30,8 @@ struct ServerLimits {
   // One encoded cloud, and all that a map keeps: at 10 kB a keyframe the latter is 100,000 of them.
   int64_t max_blob_bytes = 16 << 20;
   int64_t max_stored_blob_bytes = 1 << 30;
+  // A backup that is to be restored.
+  int64_t max_restore_bytes = int64_t{4} << 30;
   int max_watchers_per_map = 1000;
   // Streams on one connection.
   int max_concurrent_streams = 1000;
@@ -50,7 +53,7 @@ struct PublisherOptions {
 };
 
 struct ServerOptions {
-  // host:port; port 0 takes a free one. Only this host by default: there is no authentication yet.
+  // host:port; port 0 takes a free one. Only this host by default: others need certificates.
   std::string listen = "localhost:7077";
   // Where maps are kept over restarts; ":memory:" keeps them as long as the process.
   std::string data_dir = "overtone-data";
@@ -65,6 +68,7 @@ struct ServerOptions {
   // What streams and calls get to finish in on SIGTERM.
   double shutdown_s = 3.0;
 
+  SecurityOptions security;
   ServerLimits limits;
   PublisherOptions publisher;
   GraphMonitorOptions graph;

@@ -132,11 +132,13 @@ class SubmapStore {
   virtual void PutBlob(const std::string& sha256, SharedBlob blob,
                        std::function<void(absl::Status)> done) = 0;
 
-  // NotFound: not there.
+  // NotFound: not there. DataLoss: damaged; it is set aside and its clouds are wanted again.
+  // ResourceExhausted: the disk fails.
   virtual absl::StatusOr<SharedBlob> GetBlob(const std::string& sha256) const = 0;
 
   // The mission's robot cannot send this blob: it is not missing any more, but its cloud comes into
-  // being should another mission send it.
+  // being should another mission send it. True at once; made durable like all else, but should the
+  // disk be full, it is asked for again after a restart.
   virtual void AbandonBlob(const MissionId& mission, const std::string& sha256) = 0;
 
   // The mission's first `max` missing blobs, each once, by keyframe.
@@ -151,7 +153,8 @@ class SubmapStore {
 
   // Deletes the mission's submaps, the findings about it, loop closures with an end in it, the
   // blobs that no other mission refers to, and the snapshot, and gives their space back to the file
-  // system. The sink is told nothing: the map has to be made anew. NotFound: no such mission.
+  // system. What other missions' submaps say of it stays in them. The sink is told nothing: the map
+  // has to be made anew. Not to be called from sink or `done`. NotFound: no such mission.
   virtual absl::Status DeleteMission(const MissionId& mission) = 0;
 
   // Reads all that is stored and checks it against its digests, while the store goes on.

@@ -46,7 +46,7 @@ void WorkerPool::Run() {
     try {
       task();
     } catch (const std::exception& error) {
-      spdlog::error("loop detection failed: {}", error.what());
+      spdlog::error("a task failed: {}", error.what());
     }
     absl::MutexLock lock(&mutex_);
     --running_;

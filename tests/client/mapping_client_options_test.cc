@@ -27,6 +27,16 @@ TEST(MappingClientOptions, ErrorsNameTheOption) {
   using Change = std::function<void(MappingClientOptions&)>;
   const std::pair<std::string, Change> cases[] = {
       {"server", [](auto& o) { o.server.clear(); }},
+      {"tls.ca_file", [](auto& o) { o.server = "map.example.org:7077"; }},
+      {"tls.key_file", [](auto& o) { o.tls.ca_file = o.tls.certificate_file = "x"; }},
+      {"tls.certificate_file", [](auto& o) { o.tls.ca_file = o.tls.key_file = "x"; }},
+      {"tls.ca_file", [](auto& o) { o.tls.certificate_file = o.tls.key_file = "x"; }},
+      {"tls.server_name", [](auto& o) { o.tls.server_name = "map"; }},
+      {"tls.insecure",
+       [](auto& o) {
+         o.tls.ca_file = o.tls.certificate_file = o.tls.key_file = "x";
+         o.tls.insecure = true;
+       }},
       {"map", [](auto& o) { o.map = "Town"; }},
       {"mission.robot", [](auto& o) { o.mission.robot = ""; }},
       {"mission.mission", [](auto& o) { o.mission.mission = "../etc"; }},
@@ -56,6 +66,16 @@ TEST(MappingClientOptions, ErrorsNameTheOption) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << name;
     EXPECT_THAT(std::string(status.message()), testing::StartsWith(name));
   }
+}
+
+TEST(MappingClientOptions, PlaintextToAnotherHostMustBeAskedForByName) {
+  MappingClientOptions options = Named();
+  options.server = "map.example.org:7077";
+  options.tls.insecure = true;
+  EXPECT_TRUE(options.Validate().ok()) << options.Validate();
+  options.tls = TlsFiles();
+  options.tls.ca_file = options.tls.certificate_file = options.tls.key_file = "x";
+  EXPECT_TRUE(options.Validate().ok()) << options.Validate();
 }
 
 }  // namespace

@@ -364,7 +364,9 @@ TEST(MappingClient, StopsWithinASecondWhateverTheServerDoes) {
        {half_open.address(), parked.address(), town.server.address(), std::string("127.0.0.1:1"),
         std::string("no-such-host.invalid:7077"), std::string("192.0.2.1:7077")}) {
     FakeHost host;
-    auto client = Connect(OptionsFor(address), &host);
+    MappingClientOptions options = OptionsFor(address);
+    options.tls.insecure = true;
+    auto client = Connect(std::move(options), &host);
     ASSERT_TRUE(client->AddSubmap(StraightSubmap(0)).ok());
     ASSERT_TRUE(client->AddLoopClosures({ClosureBetween(0, 5)}).ok());
     const absl::Time start = absl::Now();

@@ -2,7 +2,7 @@
 // The robot's process of robot_kill_test: hands over the numbered submaps of one mission as fast as
 // they persist, and says on standard output what did.
 //   kill_robot OUTBOX_DIR SERVER run|drain
-// Lines: "next <sequence>" at the start, "handed <sequence>", "persisted <sequence>".
+// Lines: "next <sequence>" at the start, "handing <sequence>", "persisted <sequence>".
 #include <unistd.h>
 
 #include <cstdio>
@@ -33,13 +33,14 @@ int Fail(const absl::Status& status) {
 // Bursts of one to eight submaps: transactions of many sizes.
 int Run(MappingClient& client) {
   for (int64_t sequence = client.NextSubmap().sequence;; ++sequence) {
+    Say("handing", sequence);  // before: it may persist, and we die before we can say so
     const absl::Status added = client.AddSubmap(KillRobotSubmap(sequence));
     if (!added.ok()) return Fail(added);
-    Say("handed", sequence);
     if (sequence * 2654435761 % 8 != 0) continue;
     const absl::Status persisted = client.WaitUntilPersisted(kPatience);
     if (!persisted.ok()) return Fail(persisted);
-    Say("persisted", client.Stats().persisted_through);
+    if (client.Stats().persisted_through < sequence) return Fail(absl::InternalError("not told"));
+    Say("persisted", sequence);
   }
 }
 

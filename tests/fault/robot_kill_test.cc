@@ -101,7 +101,7 @@ class RobotProcess {
       std::string what;
       int64_t sequence = -1;
       line >> what >> sequence;
-      (what == "next" ? next : what == "handed" ? handed : persisted) = sequence;
+      (what == "next" ? next : what == "handing" ? handed : persisted) = sequence;
     }
     return true;
   }

@@ -37,7 +37,7 @@ TEST(StatusConversion, EveryCodeSurvivesTheRoundTrip) {
 }
 
 TEST(StatusConversion, AnUnknownCodeBecomesUnknown) {
-  for (const int code : {-1, 17, 1000}) {
+  for (const int code : {-1, 17, 31}) {  // beyond 31, gRPC's enum cannot hold it
     const grpc::Status status(static_cast<grpc::StatusCode>(code), "what");
     EXPECT_EQ(FromGrpcStatus(status).code(), absl::StatusCode::kUnknown);
   }

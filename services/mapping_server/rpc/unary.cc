@@ -16,7 +16,6 @@
 #include "overtone/services/mapping_server/submap_digest.h"
 
 namespace overtone {
-namespace {
 
 absl::StatusOr<std::vector<LoopClosureRecord>> CheckClosures(
     const v1::AddLoopClosuresRequest& request) {
@@ -35,8 +34,6 @@ absl::StatusOr<std::vector<LoopClosureRecord>> CheckClosures(
   }
   return records;
 }
-
-}  // namespace
 
 absl::StatusOr<v1::GetServerInfoResponse> ServerInfo(const ServerOptions& options) {
   v1::GetServerInfoResponse response;

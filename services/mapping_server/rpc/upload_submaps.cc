@@ -24,18 +24,19 @@ constexpr size_t kMaxAnswers = 64;
 
 }  // namespace
 
-UploadReactor* UploadSubmaps::Start(MapRegistry* registry, UploadSessions* sessions,
-                                    const ServerLimits& limits) {
-  auto reactor = std::make_shared<UploadSubmaps>(registry, sessions, limits);
+UploadReactor* UploadSubmaps::Start(StreamAccess access, MapRegistry* registry,
+                                    UploadSessions* sessions, const ServerLimits& limits) {
+  auto reactor = std::make_shared<UploadSubmaps>(std::move(access), registry, sessions, limits);
   reactor->self_ = reactor;
   absl::MutexLock lock(&reactor->mutex_);
   reactor->Advance();
   return reactor.get();
 }
 
-UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions,
+UploadSubmaps::UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
                              const ServerLimits& limits)
-    : registry_(registry),
+    : access_(std::move(access)),
+      registry_(registry),
       sessions_(sessions),
       window_bytes_(limits.upload_window_bytes),
       assembly_(limits.max_blob_bytes) {}
@@ -43,6 +44,7 @@ UploadSubmaps::UploadSubmaps(MapRegistry* registry, UploadSessions* sessions,
 void UploadSubmaps::End(const absl::Status& status) {
   absl::MutexLock lock(&mutex_);
   if (!ending_.has_value()) ending_ = status;
+  map_.reset();
   Advance();
 }
 
@@ -75,20 +77,23 @@ absl::Status UploadSubmaps::OnFrame() {
 
 absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   if (!map_id_.empty()) return InvalidField("header", "only the first message may be one");
+  RETURN_IF_ERROR(
+      access_.MayWrite(header.map(), header.mission().robot(), "header.", weak_from_this()));
   RETURN_IF_ERROR(ValidateId(header.map(), "header.map"));
   ASSIGN_OR_RETURN(MissionId mission, AtField("header.mission", FromProto(header.mission())));
   map_id_ = header.map();
   mission_ = std::move(mission);
+  // Before the map is held: a change of the whole map ends those it knows, and waits for all.
+  RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry_->Find(map_id_);
   // A map that is only out of reach has sequences already.
   if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
-  if (map.ok()) map_ = *map;
-  RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
-  const int64_t next_sequence = NextSequence();
+  if (map.ok()) RETURN_IF_ERROR(SetMap(*map));
+  const int64_t next_sequence = map.ok() ? (*map)->store().State(mission_).next_sequence : 0;
   spdlog::info("map {}: {} uploads from submap {}", map_id_, ToString(mission_), next_sequence);
   absl::MutexLock lock(&mutex_);
   Answer(ReadyFrame(next_sequence, window_bytes_));
-  if (next_sequence > 0) AskForBlobs(*map_);
+  if (next_sequence > 0) AskForBlobs(**map);
   return absl::OkStatus();
 }
 
@@ -112,17 +117,19 @@ absl::StatusOr<SubmapRecord> UploadSubmaps::Check(const v1::Submap& message) con
 
 absl::Status UploadSubmaps::Append(const v1::Submap& message, int64_t bytes) {
   ASSIGN_OR_RETURN(SubmapRecord record, Check(message));
-  if (map_ == nullptr) {
-    ASSIGN_OR_RETURN(map_, registry_->Acquire(map_id_));
+  std::shared_ptr<HostedMap> map = this->map();
+  if (map == nullptr) {
+    ASSIGN_OR_RETURN(map, registry_->Acquire(map_id_));
+    RETURN_IF_ERROR(SetMap(map));
   }
   {
     absl::MutexLock lock(&mutex_);
     waiting_bytes_ += bytes;
     ++waiting_;
   }
-  map_->store().Append(
+  map->store().Append(
       std::move(record),
-      [self = shared_from_this(), map = map_, sequence = message.sequence(),
+      [self = shared_from_this(), map, sequence = message.sequence(),
        has_clouds = message.clouds_size() > 0, bytes](const absl::StatusOr<AppendResult>& result) {
         if (result.ok() && result->added) self->registry_->Keep(map);
         self->OnAppended(*map, sequence, has_clouds, bytes, result);
@@ -148,6 +155,7 @@ void UploadSubmaps::OnAppended(const HostedMap& map, int64_t sequence, bool has_
 
 void UploadSubmaps::OnBlob(const v1::BlobChunk& chunk) {
   absl::optional<int64_t> wanted_bytes;
+  const std::shared_ptr<HostedMap> map = this->map();
   {
     absl::MutexLock lock(&mutex_);
     const auto it = asked_.find(chunk.sha256());
@@ -155,30 +163,31 @@ void UploadSubmaps::OnBlob(const v1::BlobChunk& chunk) {
   }
   absl::optional<BlobAssembly::Outcome> outcome = assembly_.Take(chunk, wanted_bytes);
   if (!outcome.has_value()) return;
-  if (outcome->status.ok()) return PutBlob(outcome->sha256, std::move(outcome->blob));
-  if (wanted_bytes.has_value()) map_->store().AbandonBlob(mission_, outcome->sha256);
+  if (wanted_bytes.has_value() && map == nullptr) return;  // the stream ends
+  if (outcome->status.ok()) return PutBlob(map, outcome->sha256, std::move(outcome->blob));
+  if (wanted_bytes.has_value()) map->store().AbandonBlob(mission_, outcome->sha256);
   absl::MutexLock lock(&mutex_);
   AnswerBlob(outcome->sha256, outcome->status);
-  if (wanted_bytes.has_value()) AskForBlobs(*map_);
+  if (wanted_bytes.has_value()) AskForBlobs(*map);
 }
 
-void UploadSubmaps::PutBlob(const std::string& sha256, SharedBlob blob) {
+void UploadSubmaps::PutBlob(const std::shared_ptr<HostedMap>& map, const std::string& sha256,
+                            SharedBlob blob) {
   const int64_t bytes = static_cast<int64_t>(blob->size());
   {
     absl::MutexLock lock(&mutex_);
     waiting_bytes_ += bytes;
     ++waiting_;
   }
-  map_->store().PutBlob(
-      sha256, std::move(blob),
-      [self = shared_from_this(), map = map_, sha256, bytes](const absl::Status& status) {
-        absl::MutexLock lock(&self->mutex_);
-        self->waiting_bytes_ -= bytes;
-        --self->waiting_;
-        self->AnswerBlob(sha256, status);
-        self->AskForBlobs(*map);
-        self->Advance();
-      });
+  map->store().PutBlob(sha256, std::move(blob),
+                       [self = shared_from_this(), map, sha256, bytes](const absl::Status& status) {
+                         absl::MutexLock lock(&self->mutex_);
+                         self->waiting_bytes_ -= bytes;
+                         --self->waiting_;
+                         self->AnswerBlob(sha256, status);
+                         self->AskForBlobs(*map);
+                         self->Advance();
+                       });
 }
 
 void UploadSubmaps::AnswerBlob(const std::string& sha256, const absl::Status& status) {
@@ -199,6 +208,7 @@ void UploadSubmaps::AskForBlobs(const HostedMap& map) {
       map.store().MissingBlobs(mission_, limits::kMaxWantsPerFrame);
   std::vector<MissingBlob> wanted;
   for (const MissingBlob& blob : missing) {
+    // The store may have many more than it has answered for yet.
     if (asked_.size() >= limits::kMaxWantsPerFrame) break;
     if (asked_.emplace(blob.sha256, blob.encoded_bytes).second) wanted.push_back(blob);
   }
@@ -213,8 +223,21 @@ void UploadSubmaps::Reject(int64_t sequence, const absl::Status& status,
   Answer(RejectFrame(sequence, status, expected_sequence));
 }
 
-int64_t UploadSubmaps::NextSequence() const {
-  return map_ == nullptr ? 0 : map_->store().State(mission_).next_sequence;
+int64_t UploadSubmaps::NextSequence() {
+  const std::shared_ptr<HostedMap> map = this->map();
+  return map == nullptr ? 0 : map->store().State(mission_).next_sequence;
+}
+
+std::shared_ptr<HostedMap> UploadSubmaps::map() {
+  absl::MutexLock lock(&mutex_);
+  return map_;
+}
+
+absl::Status UploadSubmaps::SetMap(const std::shared_ptr<HostedMap>& map) {
+  absl::MutexLock lock(&mutex_);
+  if (ending_.has_value()) return absl::UnavailableError("the stream is ending");
+  map_ = map;
+  return absl::OkStatus();
 }
 
 void UploadSubmaps::Answer(v1::UploadSubmapsResponse response) {
@@ -263,7 +286,10 @@ void UploadSubmaps::OnCancel() {
 
 void UploadSubmaps::OnDone() {
   sessions_->Close(map_id_, mission_, this);
-  map_.reset();
+  {
+    absl::MutexLock lock(&mutex_);
+    map_.reset();
+  }
   self_.reset();
 }
 

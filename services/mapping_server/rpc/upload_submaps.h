@@ -16,6 +16,7 @@
 #include "overtone/core/common/ids.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
+#include "overtone/services/mapping_server/security/stream_access.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/v1/mapping_service.pb.h"
@@ -32,10 +33,11 @@ class UploadSubmaps : public UploadReactor,
                       public std::enable_shared_from_this<UploadSubmaps> {
  public:
   // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
-  static UploadReactor* Start(MapRegistry* registry, UploadSessions* sessions,
+  static UploadReactor* Start(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
                               const ServerLimits& limits);
 
-  UploadSubmaps(MapRegistry* registry, UploadSessions* sessions, const ServerLimits& limits);
+  UploadSubmaps(StreamAccess access, MapRegistry* registry, UploadSessions* sessions,
+                const ServerLimits& limits);
 
   void End(const absl::Status& status) override;
 
@@ -55,19 +57,23 @@ class UploadSubmaps : public UploadReactor,
   void OnAppended(const HostedMap& map, int64_t sequence, bool has_clouds, int64_t bytes,
                   const absl::StatusOr<AppendResult>& result);
   void OnBlob(const v1::BlobChunk& chunk);
-  void PutBlob(const std::string& sha256, SharedBlob blob);
+  void PutBlob(const std::shared_ptr<HostedMap>& map, const std::string& sha256, SharedBlob blob);
   void AnswerBlob(const std::string& sha256, const absl::Status& status)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Asks for what is missing as long as little is asked for, or says that nothing is.
   void AskForBlobs(const HostedMap& map) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void Reject(int64_t sequence, const absl::Status& status, int64_t expected_sequence);
-  int64_t NextSequence() const;
+  int64_t NextSequence() ABSL_LOCKS_EXCLUDED(mutex_);
+  std::shared_ptr<HostedMap> map() ABSL_LOCKS_EXCLUDED(mutex_);
+  // Unavailable when the stream ended meanwhile.
+  absl::Status SetMap(const std::shared_ptr<HostedMap>& map) ABSL_LOCKS_EXCLUDED(mutex_);
 
   void Answer(v1::UploadSubmapsResponse response) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Whatever can go on goes on: reading, writing, the end.
   void Advance() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  StreamAccess access_;
   MapRegistry* const registry_;
   UploadSessions* const sessions_;
   const int64_t window_bytes_;
@@ -77,10 +83,12 @@ class UploadSubmaps : public UploadReactor,
   v1::UploadSubmapsRequest request_;
   std::string map_id_;  // empty until the header
   MissionId mission_;
-  std::shared_ptr<HostedMap> map_;  // null until the first good submap, or when the map is there
   BlobAssembly assembly_;
 
   absl::Mutex mutex_;
+  // Null until the first good submap, or when the map is there; null again once the stream is to
+  // end: a peer that takes no more answers must not keep the map.
+  std::shared_ptr<HostedMap> map_ ABSL_GUARDED_BY(mutex_);
   std::deque<v1::UploadSubmapsResponse> answers_ ABSL_GUARDED_BY(mutex_);  // front: being written
   int64_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // with the store, not answered yet
   int waiting_ ABSL_GUARDED_BY(mutex_) = 0;            // submaps and blobs

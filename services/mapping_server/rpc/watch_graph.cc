@@ -20,9 +20,9 @@ absl::StatusOr<v1::WatchGraphRequest> Parse(grpc::ByteBuffer bytes) {
 
 }  // namespace
 
-WatchReactor* WatchGraph::Start(MapRegistry* registry, int server_max_nodes,
+WatchReactor* WatchGraph::Start(StreamAccess access, MapRegistry* registry, int server_max_nodes,
                                 const grpc::ByteBuffer& request) {
-  auto reactor = std::make_shared<WatchGraph>();
+  auto reactor = std::make_shared<WatchGraph>(std::move(access));
   reactor->self_ = reactor;
   const absl::Status status = reactor->Subscribe(registry, server_max_nodes, request);
   if (!status.ok()) reactor->End(status);
@@ -32,14 +32,19 @@ WatchReactor* WatchGraph::Start(MapRegistry* registry, int server_max_nodes,
 absl::Status WatchGraph::Subscribe(MapRegistry* registry, int server_max_nodes,
                                    const grpc::ByteBuffer& bytes) {
   ASSIGN_OR_RETURN(const v1::WatchGraphRequest request, Parse(bytes));
+  RETURN_IF_ERROR(access_.MayRead(request.map(), weak_from_this()));
   Subscription subscription;
   ASSIGN_OR_RETURN(subscription.query, ReadQuery(request.options(), server_max_nodes));
   ASSIGN_OR_RETURN(subscription.encoding,
                    ReadEncoding(request.options(), v1::GRAPH_ENCODING_COMPACT));
   subscription.position = {request.map_epoch(), request.after_revision()};
   // A robot may well watch before its first submap: then the map is waited for.
-  ASSIGN_OR_RETURN(map_, registry->Acquire(request.map()));
-  map_->publisher().Subscribe(shared_from_this(), std::move(subscription));
+  ASSIGN_OR_RETURN(const std::shared_ptr<HostedMap> map, registry->Acquire(request.map()));
+  {
+    absl::MutexLock lock(&mutex_);
+    map_ = map;
+  }
+  map->publisher().Subscribe(shared_from_this(), std::move(subscription));
   return absl::OkStatus();
 }
 
@@ -54,11 +59,13 @@ void WatchGraph::Send(const grpc::ByteBuffer& frame) {
 void WatchGraph::End(const absl::Status& status) {
   absl::MutexLock lock(&mutex_);
   if (finished_) return;
+  map_.reset();
   ending_ = status;
   if (!writing_) FinishWith(status);
 }
 
 void WatchGraph::OnWriteDone(bool ok) {
+  std::shared_ptr<HostedMap> map;
   {
     absl::MutexLock lock(&mutex_);
     writing_ = false;
@@ -66,8 +73,9 @@ void WatchGraph::OnWriteDone(bool ok) {
     if (finished_) return;
     if (ending_.has_value()) return FinishWith(*ending_);
     if (!ok) return FinishWith(absl::CancelledError("the peer is gone"));
+    map = map_;
   }
-  map_->publisher().Ready(this);
+  map->publisher().Ready(this);
 }
 
 void WatchGraph::OnCancel() {
@@ -81,9 +89,11 @@ void WatchGraph::FinishWith(const absl::Status& status) {
 }
 
 void WatchGraph::OnDone() {
-  // The map may end here with its last watcher, and must not end on the publisher's thread, which
-  // holds us.
-  const std::shared_ptr<HostedMap> map = std::move(map_);
+  std::shared_ptr<HostedMap> map;
+  {
+    absl::MutexLock lock(&mutex_);
+    map = std::move(map_);
+  }
   if (map != nullptr) map->publisher().Unsubscribe(this);
   self_.reset();
 }

@@ -5,6 +5,7 @@
 #define OVERTONE_SERVICES_MAPPING_SERVER_RPC_WATCH_GRAPH_H_
 
 #include <memory>
+#include <utility>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -15,6 +16,7 @@
 #include "grpcpp/support/server_callback.h"
 #include "overtone/services/mapping_server/graph_publisher.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/security/stream_access.h"
 #include "overtone/v1/mapping_service.pb.h"
 
 namespace overtone {
@@ -27,8 +29,10 @@ class WatchGraph : public WatchReactor,
                    public std::enable_shared_from_this<WatchGraph> {
  public:
   // `registry` outlives the server's calls.
-  static WatchReactor* Start(MapRegistry* registry, int server_max_nodes,
+  static WatchReactor* Start(StreamAccess access, MapRegistry* registry, int server_max_nodes,
                              const grpc::ByteBuffer& request);
+
+  explicit WatchGraph(StreamAccess access) : access_(std::move(access)) {}
 
   void Send(const grpc::ByteBuffer& frame) override;
   void End(const absl::Status& status) override;
@@ -42,10 +46,13 @@ class WatchGraph : public WatchReactor,
                          const grpc::ByteBuffer& request);
   void FinishWith(const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
+  StreamAccess access_;
   std::shared_ptr<WatchGraph> self_;  // until OnDone
-  std::shared_ptr<HostedMap> map_;    // until OnDone, and null for requests that were refused
 
   absl::Mutex mutex_;
+  // Until it ends: a peer that takes no more frames must not keep the map. Null for requests that
+  // were refused. May be let go on any thread (MapRegistry::Share).
+  std::shared_ptr<HostedMap> map_ ABSL_GUARDED_BY(mutex_);
   grpc::ByteBuffer frame_ ABSL_GUARDED_BY(mutex_);  // being written
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;

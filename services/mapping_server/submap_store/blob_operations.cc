@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/submap_store/blob_operations.h"
 
+#include "absl/time/clock.h"
 #include "overtone/services/mapping_server/failpoint.h"
 
 namespace overtone {
@@ -44,7 +45,7 @@ void AbandonOperation::Publish(StoreIndex& index, SinkCalls& calls) {
 absl::Status PutSnapshotOperation::Write(BatchPlan& plan, StoreTables& tables) {
   Failpoint("snapshot_before_write");
   plan.Changed();
-  return tables.PutSnapshot(snapshot_);
+  return tables.PutSnapshot(absl::ToUnixMicros(absl::Now()), snapshot_);
 }
 
 // The snapshot is durable.

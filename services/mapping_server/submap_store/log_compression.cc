@@ -6,7 +6,8 @@
 namespace overtone {
 namespace {
 
-// The fastest: half the size of most submaps, at a fifth of the time of the fsync it shortens.
+// The fastest. A submap with one covariance for all its motions shrinks to a third, one with none
+// alike by 6 %; 25 microseconds each (submap_store_benchmark).
 constexpr int kLevel = 1;
 // Shorter ones gain nothing worth a frame's header.
 constexpr size_t kMinBytes = 256;

@@ -92,6 +92,8 @@ absl::StatusOr<SharedBlob> SqliteSubmapStore::GetBlob(const std::string& sha256)
     return std::make_shared<const std::string>(std::move(blob->bytes));
   }
   if (absl::IsResourceExhausted(blob.status())) return blob.status();
+  // Deleted meanwhile.
+  if (!index_.FindBlob(sha256).has_value()) return absl::NotFoundError("blob: not there");
   writer_.Push(std::make_unique<LoseBlobOperation>(sha256, losses_.get()));
   return absl::DataLossError("blob: damaged");
 }

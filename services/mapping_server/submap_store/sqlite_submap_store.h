@@ -34,7 +34,7 @@ class SqliteSubmapStore : public SubmapStore {
                                                                  const ServerLimits& limits,
                                                                  Sink sink,
                                                                  const StoreOptions& options = {});
-  // Finishes what waits.
+  // Finishes what waits: the sink and `done` may be called until it returns.
   ~SqliteSubmapStore() override;
 
   absl::Status Replay() override;

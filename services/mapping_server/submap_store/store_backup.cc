@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -13,19 +12,10 @@
 #include "openssl/rand.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/services/mapping_server/submap_store/store_verify.h"
+#include "overtone/services/mapping_server/submap_store/sync_file.h"
 
 namespace overtone {
 namespace {
-
-// The content, or a folder's list of names, down to the disk.
-absl::Status Sync(const std::string& path) {
-  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  const bool synced = fd >= 0 && fsync(fd) == 0;
-  const int error = errno;
-  if (fd >= 0) close(fd);
-  if (synced) return absl::OkStatus();
-  return absl::ResourceExhaustedError(absl::StrCat(path, ": ", std::strerror(error)));
-}
 
 // The copy goes its own way from here: what the original acknowledges later is not missing in it.
 absl::Status GiveOwnIdentity(StoreTables& copy) {
@@ -44,7 +34,7 @@ absl::Status Copy(StoreTables& tables, const std::string& to) {
     ASSIGN_OR_RETURN(const auto copy, StoreTables::Open(to, SqliteDatabase::Mode::kReadWrite, ""));
     RETURN_IF_ERROR(GiveOwnIdentity(*copy));
   }
-  return Sync(to);
+  return SyncFile(to);
 }
 
 }  // namespace
@@ -65,8 +55,7 @@ absl::Status BackUpStore(StoreTables& tables, const std::string& to) {
   }
   std::filesystem::remove(partial, error);
   RETURN_IF_ERROR(status);
-  const std::filesystem::path folder = std::filesystem::path(to).parent_path();
-  return Sync(folder.empty() ? "." : folder.string());
+  return SyncFolderOf(to);
 }
 
 }  // namespace overtone

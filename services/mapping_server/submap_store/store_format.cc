@@ -14,7 +14,9 @@ namespace {
 // migrations[i] takes a file from version i to i + 1. Never edit one that was released.
 //
 // No secondary index and no table that another one implies: what can be computed from the log
-// cannot disagree with it. Every row has its checksum (store_rows.h), rowids are given by us.
+// cannot disagree with it. Every row has its checksum (store_rows.h), rowids are given by us, and
+// no two tables have the same number and types of columns: a salvage tells rows by these
+// (salvage_import.cc).
 //   format     its shape never changes: version, twice with user_version, so that damage to one
 //              does not look like a newer file
 //   state      how far the log goes and how often was committed: rows that vanish are missed
@@ -31,7 +33,7 @@ CREATE TABLE log(position INTEGER PRIMARY KEY, kind INTEGER, sequence INTEGER, s
 CREATE TABLE missions(id INTEGER PRIMARY KEY, mission TEXT, next_sequence INTEGER, checksum BLOB);
 CREATE TABLE abandoned(id INTEGER PRIMARY KEY, mission TEXT, sha256 BLOB, checksum BLOB);
 CREATE TABLE blobs(id INTEGER PRIMARY KEY, sha256 BLOB, bytes BLOB);
-CREATE TABLE snapshot(id INTEGER PRIMARY KEY, digest BLOB, bytes BLOB);
+CREATE TABLE snapshot(id INTEGER PRIMARY KEY, stored_us INTEGER, digest BLOB, bytes BLOB);
 CREATE TABLE damaged(id INTEGER PRIMARY KEY, found_us INTEGER, what TEXT, bytes BLOB);)",
 };
 static_assert(sizeof(kMigrations) / sizeof(kMigrations[0]) == kStoreFormatVersion);

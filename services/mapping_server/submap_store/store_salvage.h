@@ -11,15 +11,17 @@
 
 namespace overtone {
 
-// What SQLite would do away with by itself. DataLoss: an empty file beside a write-ahead log.
+// Finishes a salvage that was interrupted. DataLoss: an empty file beside a write-ahead log, which
+// SQLite would do away with.
 absl::Status CheckBeforeOpening(const std::string& path);
 
 // DataLoss: SQLite finds pages that do not fit together. Reads the whole file once.
 absl::Status CheckStructure(SqliteDatabase* database);
 
 // The file and its log are kept as `<path>.damaged-<UTC time>`, and a new store takes their place
-// with every row that can be found in them. No connection may be open. An error: the disk is full
-// or fails; then all is as before.
+// with every row that can be found in them and shows by its checksum that it is whole. Needs
+// nothing of the file but its pages: no schema, no inner nodes. No connection may be open. An
+// error: the disk is full or fails; then all is as before.
 absl::Status SalvageStore(const std::string& path, const std::string& vfs, LossList* losses);
 
 }  // namespace overtone

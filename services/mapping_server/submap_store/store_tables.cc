@@ -223,10 +223,10 @@ absl::Status StoreTables::ForEachBlob(
       [&](const SqliteStatement& row) { return read(row.Int(0), row.String(1), row.Int(2)); });
 }
 
-absl::Status StoreTables::PutSnapshot(absl::string_view bytes) {
-  ASSIGN_OR_RETURN(SqliteStatement * put, Statement("REPLACE INTO snapshot VALUES(1, ?, ?)"));
+absl::Status StoreTables::PutSnapshot(int64_t stored_us, absl::string_view bytes) {
+  ASSIGN_OR_RETURN(SqliteStatement * put, Statement("REPLACE INTO snapshot VALUES(1, ?, ?, ?)"));
   const std::string digest = Sha256(bytes);
-  return put->BindBlob(1, digest).BindBlob(2, bytes).Run();
+  return put->BindInt(1, stored_us).BindBlob(2, digest).BindBlob(3, bytes).Run();
 }
 
 absl::StatusOr<std::string> StoreTables::GetSnapshot() {

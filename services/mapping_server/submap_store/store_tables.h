@@ -65,7 +65,7 @@ class StoreTables {
   absl::Status ForEachBlob(
       const std::function<absl::Status(int64_t id, const std::string& sha256, int64_t size)>& read);
 
-  absl::Status PutSnapshot(absl::string_view bytes);
+  absl::Status PutSnapshot(int64_t stored_us, absl::string_view bytes);
   // NotFound: none. DataLoss: its checksum is wrong.
   absl::StatusOr<std::string> GetSnapshot();
   absl::Status DeleteSnapshot();

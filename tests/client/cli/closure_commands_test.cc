@@ -3,16 +3,15 @@
 #include "overtone/client/cli/closure_commands.h"
 
 #include <algorithm>
-#include <functional>
-#include <iostream>
-#include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/client/cli/admin_commands.h"
+#include "overtone/tests/client/cli/command_outcome.h"
 #include "overtone/tests/services/mapping_server/server_fixture.h"
 
 namespace overtone {
@@ -25,6 +24,7 @@ using ::testing::IsEmpty;
 using testing::MakeClosure;
 using testing::MakeSubmap;
 using ::testing::Not;
+using testing::Outcome;
 using testing::Uploader;
 
 const MissionId kAnna = {"anna", "run1"};
@@ -61,26 +61,6 @@ TEST(ParseIds, WhatIsNoIdIsRefusedWithWhatWasExpected) {
   }
 }
 
-struct Outcome {
-  int exit_code = -1;
-  std::string out, err;
-};
-
-// What a stream is told while this lives.
-class Captured {
- public:
-  explicit Captured(std::ostream* stream) : stream_(stream), before_(stream->rdbuf()) {
-    stream_->rdbuf(text_.rdbuf());
-  }
-  ~Captured() { stream_->rdbuf(before_); }
-  std::string text() const { return text_.str(); }
-
- private:
-  std::ostream* stream_;
-  std::streambuf* before_;
-  std::ostringstream text_;
-};
-
 class ClosureCommandsTest : public testing::ServerTest {
  protected:
   void SetUp() override {
@@ -99,19 +79,8 @@ class ClosureCommandsTest : public testing::ServerTest {
   }
 
   Outcome RunAt(const std::string& server, std::vector<std::string> arguments) {
-    CLI::App app;
-    std::function<int()> run;
-    AddAdminCommands(&app, &run);
-    AddClosureCommands(&app, &run);
     arguments.insert(arguments.end(), {"--server", server});
-    std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
-    Outcome outcome;
-    app.parse(arguments);
-    const Captured out(&std::cout), err(&std::cerr);
-    outcome.exit_code = run();
-    outcome.out = out.text();
-    outcome.err = err.text();
-    return outcome;
+    return testing::RunCommand({AddAdminCommands, AddClosureCommands}, std::move(arguments));
   }
   // On the map "mine".
   Outcome Run(std::vector<std::string> arguments) {

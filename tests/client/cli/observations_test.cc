@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/client/cli/observations.h"
 
+#include <fstream>
+#include <sstream>
+
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/client/cli/robot_recording_file.h"
@@ -102,6 +105,22 @@ TEST(Observations, ARecordingWithAnIndexBeyondItsKeyframesIsRefusedByName) {
   recording = RecordingOf({});
   recording.candidates[0].to.index = 4;
   EXPECT_THAT(error_of(recording), HasSubstr("candidates: no keyframe"));
+}
+
+TEST(Observations, ARecordingWithAStampThatIsNoIntegerIsRefused) {
+  const TemporaryFolder folder("observations");
+  const std::string path = folder.path() + "/recording.json";
+  ASSERT_TRUE(WriteRobotRecording(path, RecordingOf({})).ok());
+  std::ostringstream file;
+  file << std::ifstream(path).rdbuf();
+  const std::string text = file.str(), key = "\"stamp_ns\":";
+  const size_t begin = text.find(key) + key.size(), end = text.find_first_of(",}", begin);
+  for (const std::string stamp : {"1.5", "1e50", "9223372036854775808", "true", "\"1\""}) {
+    folder.Write("recording.json", text.substr(0, begin) + stamp + text.substr(end));
+    EXPECT_THAT(std::string(ReadRobotRecording(path).status().message()),
+                HasSubstr("is not an integer below 2^63"))
+        << stamp;
+  }
 }
 
 TEST(Observations, ASubmapTakesThoseOfItsOwnKeyframes) {

@@ -26,7 +26,7 @@ class RecordedPair : public testing::Test {
     truth_ = *CheckedPose(matrix);
   }
 
-  const CoarseToFineOptions options_;
+  const CoarseToFineOptions options_{};
   RegistrationPyramid source_, target_;
   Rigid3d truth_;
 };

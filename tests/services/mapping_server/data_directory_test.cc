@@ -5,8 +5,10 @@
 #include <fstream>
 #include <string>
 
+#include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
 
 namespace overtone {
 namespace {
@@ -71,7 +73,14 @@ TEST_F(DataDirectoryTest, WhatWasSetAsideOutlivesAnEmptyStore) {
   DataDirectory directory(path_);
   ASSERT_TRUE(directory.Open().ok());
   for (const char* map : {"a", "b"}) {
-    std::ofstream(*directory.Prepare(map)) << "store";
+    SubmapStore::Sink sink;
+    sink.on_finding = [](const std::string&) {};
+    auto store = SqliteSubmapStore::Open(*directory.Prepare(map), ServerLimits(), sink);
+    ASSERT_TRUE(store.ok()) << store.status();
+    ASSERT_TRUE((*store)->Replay().ok());
+    absl::Notification stored;
+    (*store)->AppendFinding({"epoch", {}}, [&](const absl::Status&) { stored.Notify(); });
+    stored.WaitForNotification();
     EXPECT_TRUE(directory.Has(map));
   }
   std::ofstream(path_ + "/maps/b/map.db.damaged") << "what is left";
@@ -87,6 +96,18 @@ TEST_F(DataDirectoryTest, InMemoryNothingIsWritten) {
   EXPECT_EQ(*directory.Prepare("a"), ":memory:");
   EXPECT_THAT(directory.Maps(), IsEmpty());
   EXPECT_FALSE(directory.Has("a"));
+}
+
+TEST_F(DataDirectoryTest, WhatAnEmptyMapLeavesOfItsStoreGoes) {
+  DataDirectory directory(path_);
+  ASSERT_TRUE(directory.Open().ok());
+  ASSERT_TRUE(directory.Prepare("a").ok());
+  for (const char* file : {"map.db", "map.db-wal", "map.db-shm", "map.db-mark"}) {
+    std::ofstream(path_ + "/maps/a/" + file) << "12345";
+  }
+  EXPECT_EQ(directory.BytesOf("a"), 20);
+  directory.RemoveEmpty("a");
+  EXPECT_THAT(directory.Maps(), IsEmpty());
 }
 
 }  // namespace

@@ -126,8 +126,8 @@ inline void WaitUntilIdle(SubmapStore& store) { EXPECT_TRUE(AppendClosures(store
 // Empty, removed at the end.
 class ScratchFolder {
  public:
-  ScratchFolder() {
-    std::string pattern = ::testing::TempDir() + "/store_XXXXXX";
+  explicit ScratchFolder(const std::string& parent = ::testing::TempDir()) {
+    std::string pattern = parent + "/store_XXXXXX";
     path_ = mkdtemp(pattern.data());
   }
   ~ScratchFolder() { std::filesystem::remove_all(path_); }

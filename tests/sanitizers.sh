@@ -1,0 +1,73 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Builds and runs what the sanitizers look at, and prints how long each part took. After tests/run.sh, which installs what is missing.
+#   tests/sanitizers.sh             what the gate runs: asan, fuzz and tsan
+#   tests/sanitizers.sh asan        ASan and UBSan: every test but those labelled numeric (arithmetic on numbers of our own)
+#   tests/sanitizers.sh asan-all    those, too
+#   tests/sanitizers.sh fuzz        every fuzz target, FUZZ_SECONDS (60) in all
+#   tests/sanitizers.sh tsan        TSan: the tests labelled concurrency
+set -eu
+cd "$(dirname "$0")/.."
+jobs=$(awk -v cores="$(nproc)" '/MemAvailable/ { n = int($2 / 1500000); print n < 1 ? 1 : n < cores ? n : cores }' /proc/meminfo)
+started=$(date +%s)
+
+lap() {
+  now=$(date +%s)
+  echo "-- $1: $(( now - started )) s"
+  started=$now
+}
+
+build() { # preset, targets...
+  preset=$1
+  shift
+  cmake --preset "$preset" >/dev/null
+  cmake --build --preset "$preset" --parallel "$jobs" --target "$@"
+  lap "$preset built"
+}
+
+run() { # preset, what goes to ctest...
+  preset=$1
+  shift
+  ctest --test-dir "build/$preset" --output-on-failure --parallel "$jobs" "$@"
+  lap "$preset tests"
+}
+
+# Memory in use and the linked libraries are not those of a normal build.
+not_under_asan='client_mapping_client_memory|packaging_.*'
+
+asan() {
+  build asan-ubsan outside_tests
+  run asan-ubsan -LE numeric -E "$not_under_asan"
+}
+
+asan_all() {
+  build asan-ubsan all
+  run asan-ubsan -E "$not_under_asan"
+}
+
+fuzz() {
+  build asan-ubsan fuzz_targets
+  tests/fuzz/run.sh "${FUZZ_SECONDS:-60}"
+  lap fuzzing
+}
+
+tsan() {
+  build tsan concurrency_tests
+  run tsan -L concurrency
+}
+
+case ${1:-gate} in
+  asan) asan ;;
+  asan-all) asan_all ;;
+  fuzz) fuzz ;;
+  tsan) tsan ;;
+  gate)
+    asan
+    fuzz
+    tsan
+    ;;
+  *)
+    echo "usage: $0 [asan|asan-all|fuzz|tsan]" >&2
+    exit 2
+    ;;
+esac
