@@ -2,6 +2,7 @@
 #ifndef OVERTONE_TESTS_SUPPORT_FAULT_TABLE_H_
 #define OVERTONE_TESTS_SUPPORT_FAULT_TABLE_H_
 
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
