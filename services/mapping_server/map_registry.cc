@@ -116,6 +116,7 @@ absl::StatusOr<std::shared_ptr<HostedMap>> MapRegistry::Acquire(const std::strin
 
 void MapRegistry::Keep(const std::shared_ptr<HostedMap>& map) {
   absl::MutexLock lock(&mutex_);
+  if (stopping_) return;  // stored while we end: kept, it would never be closed
   if (rebuilding_.count(map->id()) > 0) return;  // which opens it again
   maps_.emplace(map->id(), map);
   waiting_.erase(map->id());

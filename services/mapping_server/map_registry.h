@@ -40,7 +40,7 @@ class MapRegistry {
   // many maps, or no room on disk. Unavailable: shutting down, or being changed as a whole.
   absl::StatusOr<std::shared_ptr<HostedMap>> Acquire(const std::string& id);
 
-  // From now on the map stays.
+  // From now on the map stays; but not after Stop.
   void Keep(const std::shared_ptr<HostedMap>& map);
 
   const DataDirectory& directory() const { return directory_; }

@@ -16,6 +16,7 @@
 #include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/tests/services/mapping_server/tls_fixture.h"
 #include "overtone/tests/support/fake_host.h"
+#include "overtone/tests/support/fault_table.h"
 
 namespace overtone {
 namespace {
@@ -51,6 +52,7 @@ class MtlsMatrixTest : public ::testing::Test {
   static void Expect(const std::string& peer, StatusCode expected, const absl::Status& status) {
     Table().push_back(absl::StrFormat("%-62s %-19s %.90s", peer, StatusCodeToString(status.code()),
                                       status.message()));
+    FaultRow("mtls", peer, StatusCodeToString(status.code()));
     EXPECT_EQ(status.code(), expected) << peer << ": " << status;
   }
 

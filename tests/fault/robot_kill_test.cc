@@ -18,10 +18,13 @@
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
+#include "absl/strings/str_format.h"
 #include "gtest/gtest.h"
 #include "overtone/client/internal/cloud_encoding.h"
 #include "overtone/proto/conversion/submap_conversion.h"
 #include "overtone/tests/fault/submap_ledger.h"
+#include "overtone/tests/support/fault_table.h"
 #include "overtone/tests/support/kill_robot_mission.h"
 #include "overtone/tests/support/temporary_directory.h"
 
@@ -30,11 +33,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr char kNowhere[] = "127.0.0.1:1";
-
-int64_t FromEnvironment(const char* name, int64_t otherwise) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? otherwise : std::atoll(value);
-}
 
 // One process of the robot.
 class RobotProcess {
@@ -122,6 +120,7 @@ std::string ExpectedSubmap(int64_t sequence) {
 TEST(RobotKill, WhatPersistedReachesTheServerOnceAndInOrder) {
   const int64_t kills = FromEnvironment("OVERTONE_KILLS", 60);
   const int64_t seed = FromEnvironment("OVERTONE_SEED", 1);
+  std::cout << "seed " << seed << std::endl;
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<int> after_us(0, 120'000);
   const TemporaryDirectory directory;
@@ -168,16 +167,18 @@ TEST(RobotKill, WhatPersistedReachesTheServerOnceAndInOrder) {
   for (int64_t i = 0; i < stored; ++i) wrong += books.submaps[i] != ExpectedSubmap(i);
   const int64_t lost = std::max<int64_t>(0, last.next - stored);
   std::sort(restart_ms.begin(), restart_ms.end());
-  std::cout << "seed " << seed << "\n| kills of the robot | " << kills
-            << " |\n| of these while it started | " << kills_at_start
-            << " |\n| of these without a server | " << kills_without_server
-            << " |\n| submaps persisted | " << last.next << " |\n| at the server | " << stored
-            << " |\n| lost | " << lost << " |\n| doubled | " << books.conflicts
-            << " |\n| other content | " << wrong << " |\n| sent again, not stored | "
-            << books.sent_again << " |\n| clouds at the server | " << books.clouds
-            << " |\n| clouds lost | " << books.clouds_lacking + books.clouds_gone
-            << " |\n| start to NextSubmap, p50 and max | " << restart_ms[restart_ms.size() / 2]
-            << " ms, " << restart_ms.back() << " ms |\n";
+  const auto row = [](const std::string& what, const std::string& figure) {
+    FaultRow("robot kill", what, figure);
+  };
+  row("kills: while starting, without a server",
+      absl::StrCat(kills, ": ", kills_at_start, ", ", kills_without_server));
+  row("submaps persisted: at the server, lost", absl::StrCat(last.next, ": ", stored, ", ", lost));
+  row("doubled; of other content; sent again, not stored",
+      absl::StrCat(books.conflicts, "; ", wrong, "; ", books.sent_again));
+  row("clouds at the server, lost",
+      absl::StrCat(books.clouds, ", ", books.clouds_lacking + books.clouds_gone));
+  row("start to NextSubmap, p50 and max",
+      absl::StrFormat("%.0f ms, %.0f ms", restart_ms[restart_ms.size() / 2], restart_ms.back()));
   EXPECT_EQ(stored, last.next);
   EXPECT_EQ(books.conflicts, 0);
   EXPECT_EQ(books.gaps, 0);

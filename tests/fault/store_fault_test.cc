@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // The disk fails under a running store: power cuts at any operation, errors and no space at any
 // write or sync. OVERTONE_FAULT_RUNS: how many power cuts.
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/tests/fault/store_samples.h"
+#include "overtone/tests/support/fault_table.h"
 #include "overtone/tests/support/fault_vfs.h"
 #include "spdlog/spdlog.h"
 #include "sqlite3.h"
@@ -166,11 +167,10 @@ TEST_F(StoreFaultTest, APowerCutAtAnyMomentLosesNothingThatWasAcknowledged) {
     }
   }
   EXPECT_GT(acknowledged, runs);
-  std::printf(
-      "power cuts %lld (%lld while opening, %lld after the end): submaps acknowledged %lld, "
-      "lost 0, doubled 0\n",
-      static_cast<long long>(runs), static_cast<long long>(cut_at_opening),
-      static_cast<long long>(whole), static_cast<long long>(acknowledged));
+  FaultRow(
+      "store", absl::StrCat(runs, " power cuts, unsynced writes dropped"),
+      absl::StrCat(cut_at_opening, " while opening, ", whole,
+                   " after the end; submaps acknowledged ", acknowledged, ", lost 0, doubled 0"));
 }
 
 // One error at each operation in turn: the batch is refused, the same again is taken.
@@ -219,8 +219,8 @@ TEST_F(StoreFaultTest, AnErrorAtAnyOperationIsOvercomeWithoutRestart) {
     }
   }
   EXPECT_GT(refused, 0);
-  std::printf("single errors %lld: batches refused %lld, lost 0, doubled 0\n",
-              static_cast<long long>(faults), static_cast<long long>(refused));
+  FaultRow("store", absl::StrCat(faults, " single errors: ENOSPC, EIO"),
+           absl::StrCat("batches refused ", refused, ", lost 0, doubled 0"));
 }
 
 TEST_F(StoreFaultTest, AFullDiskRefusesAndReadsGoOn) {
