@@ -47,7 +47,9 @@ TEST(OutboxMemory, StaysBelowFortyMegabytesWithMoreWaitingOnDisk) {
   EXPECT_TRUE(stats.outbox_on_disk);
   std::cout << "resident: " << ResidentMb() << " MB with "
             << static_cast<double>(stats.bytes_waiting) / 1e6 << " MB waiting\n";
-  if (!kSanitized) EXPECT_LT(ResidentMb(), kLimitMb);
+  if (!kSanitized) {
+    EXPECT_LT(ResidentMb(), kLimitMb);
+  }
 }
 
 }  // namespace

@@ -78,7 +78,9 @@ TEST_F(RobotQuotasTest, ANoisyRobotSlowsItselfAndNotItsNeighbour) {
       noisy_reads_at[i] = now_ + noisy[i].Charge(10);
       ++noisy_messages;
     }
-    if (ms % 200 == 0) ASSERT_EQ(calm.Charge(100), absl::ZeroDuration()) << ms;
+    if (ms % 200 == 0) {
+      ASSERT_EQ(calm.Charge(100), absl::ZeroDuration()) << ms;
+    }
   }
   EXPECT_NEAR(noisy_messages, 20 + 10 * 10, 2);
 }
