@@ -7,8 +7,8 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
-#include "overtone/proto/conversion/geometry_conversion.h"
 #include "overtone/core/storage/sqlite_database.h"
+#include "overtone/proto/conversion/geometry_conversion.h"
 #include "overtone/services/mapping_server/submap_store/store_verify.h"
 #include "overtone/tests/services/mapping_server/maintenance_fixture.h"
 
