@@ -17,6 +17,7 @@ add_link_options(${flags})
 # Debian's protobuf, abseil and gRPC are built without instrumentation: a vector that they grow and we read looks overrun
 # to AddressSanitizer's container checks, and is not. And what their own memcpy and free do is no race of ours.
 set(OVERTONE_TEST_ENVIRONMENT ASAN_OPTIONS=detect_container_overflow=0 UBSAN_OPTIONS=print_stacktrace=1
+  LSAN_OPTIONS=suppressions=${CMAKE_SOURCE_DIR}/tests/support/lsan_suppressions.txt:print_suppressions=0
   TSAN_OPTIONS=ignore_noninstrumented_modules=1:suppressions=${CMAKE_SOURCE_DIR}/tests/support/tsan_suppressions.txt)
 
 if(OVERTONE_SANITIZE STREQUAL "thread")

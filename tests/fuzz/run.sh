@@ -24,6 +24,7 @@ found=${FOUND:-build/fuzz-found}
 # overrun to the container checks, and is not.
 export ASAN_OPTIONS=detect_container_overflow=0:allocator_may_return_null=0:detect_leaks=1
 export UBSAN_OPTIONS=print_stacktrace=1
+export LSAN_OPTIONS=suppressions=tests/support/lsan_suppressions.txt:print_suppressions=0
 
 # shellcheck disable=SC2086
 share=$(( total / $(echo $targets | wc -w) ))

@@ -10,7 +10,10 @@ namespace overtone {
 
 BackupMap::BackupMap(MapMaintenance* maintenance, const grpc::CallbackServerContext* context,
                      const std::string& map, const absl::Status& may) {
-  if (!may.ok()) return End(may);
+  if (!may.ok()) {
+    End(may);
+    return;
+  }
   maintenance->Post([this, maintenance, context, map] {
     const absl::Status status = Begin(*maintenance, *context, map);
     if (!status.ok()) End(status);

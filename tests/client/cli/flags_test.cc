@@ -10,6 +10,7 @@
 #include "overtone/client/cli/closure_file.h"
 #include "overtone/client/cli/motion_noise.h"
 #include "overtone/client/cli/robot_recording_file.h"
+#include "overtone/client/cli/tls_flags.h"
 
 namespace overtone {
 namespace {
@@ -221,6 +222,43 @@ TEST(ClosureFile, ErrorsNameTheLine) {
   EXPECT_THAT(error_of("a,103"), HasSubstr("columns"));
   std::ofstream(path) << "x,y\n";
   EXPECT_THAT(std::string(ReadClosures(path, plans).status().message()), HasSubstr("first line"));
+}
+
+TlsFiles ParseTls(std::vector<std::string> arguments) {
+  CLI::App app;
+  TlsFiles tls;
+  AddTlsFlags(&app, &tls);
+  std::reverse(arguments.begin(), arguments.end());
+  app.parse(arguments);
+  return tls;
+}
+
+TEST(TlsFlags, ARobotProcessGetsItsOwnCertificateWhateverTheEnvironmentSays) {
+  setenv("OVERTONE_TLS_CA", "env/ca.crt", 1);
+  setenv("OVERTONE_TLS_KEY", "env/operator.key", 1);
+  const TlsFiles operators = ParseTls({"--tls-cert=olga.crt", "--tls-server-name=map"});
+  EXPECT_EQ(operators.ca_file, "env/ca.crt");
+  EXPECT_EQ(operators.key_file, "env/operator.key");
+  const TlsFiles robots = ParseTls(TlsArguments(TlsFilesOfRobot(operators, "certs", "anna")));
+  EXPECT_EQ(robots.ca_file, "env/ca.crt");
+  EXPECT_EQ(robots.certificate_file, "certs/robot-anna.crt");
+  EXPECT_EQ(robots.key_file, "certs/robot-anna.key");
+  EXPECT_EQ(robots.server_name, "map");
+  ClearTlsEnvironment();
+  EXPECT_FALSE(ParseTls({}).enabled());
+}
+
+TEST(TlsFlags, ErrorsNameTheFlag) {
+  TlsFiles tls;
+  EXPECT_TRUE(CheckTlsFlags(tls, "localhost:7077").ok());
+  EXPECT_THAT(std::string(CheckTlsFlags(tls, "map.example.org:7077").message()),
+              ::testing::AllOf(HasSubstr("--tls-ca"), HasSubstr("--insecure")));
+  tls.ca_file = tls.certificate_file = "/nowhere";
+  EXPECT_THAT(std::string(CheckTlsFlags(tls, "localhost:7077").message()),
+              ::testing::StartsWith("--tls-key: missing"));
+  tls.key_file = "/nowhere";
+  EXPECT_THAT(std::string(CheckTlsFlags(tls, "localhost:7077").message()),
+              ::testing::StartsWith("--tls-ca: /nowhere: cannot be read"));
 }
 
 }  // namespace

@@ -150,12 +150,10 @@ class MaintenanceTest : public ServerTest {
     return Call<v1::GetTrajectoryResponse>(&v1::MapAdminService::Stub::GetTrajectory, request);
   }
   std::vector<std::string> Maps() {
+    const auto response =
+        Call<v1::ListMapsResponse>(&v1::MapAdminService::Stub::ListMaps, v1::ListMapsRequest());
     std::vector<std::string> names;
-    for (const auto& map :
-         Call<v1::ListMapsResponse>(&v1::MapAdminService::Stub::ListMaps, v1::ListMapsRequest())
-             .maps()) {
-      names.push_back(map.map());
-    }
+    for (const v1::MapSummary& map : response.maps()) names.push_back(map.map());
     return names;
   }
 
