@@ -16,9 +16,10 @@ absl::Duration RateLimit::TryTake(double tokens, absl::Time now) {
   if (per_s_ == 0) return absl::ZeroDuration();
   Refill(now);
   tokens = std::min(tokens, burst_);
-  if (tokens_ < tokens) return Until(tokens - tokens_);
-  tokens_ -= tokens;
-  return absl::ZeroDuration();
+  const absl::Duration wait = tokens_ < tokens ? Until(tokens - tokens_) : absl::ZeroDuration();
+  // Less than a duration can say is rounding, not a wait.
+  if (wait == absl::ZeroDuration()) tokens_ -= tokens;
+  return wait;
 }
 
 absl::Duration RateLimit::Charge(double tokens, absl::Time now) {

@@ -28,6 +28,15 @@ TEST(RateLimit, ARefusalSaysExactlyWhenTheNextTrySucceeds) {
   EXPECT_EQ(limit.TryTake(1, At(0.05) + wait), absl::ZeroDuration());
 }
 
+// Rates whose tenths are no binary fractions: what rounding lacks must be neither given away nor
+// waited for.
+TEST(RateLimit, RoundingGivesNothingAway) {
+  RateLimit limit(/*per_s=*/0.1, /*burst=*/1);
+  int taken = 0;
+  for (int s = 0; s < 100'000; ++s) taken += limit.TryTake(1, At(s)) == absl::ZeroDuration();
+  EXPECT_NEAR(taken, 10'000, 1);
+}
+
 TEST(RateLimit, WhatIsLargerThanTheBurstPassesWithAFullOne) {
   RateLimit limit(1, 3);
   EXPECT_EQ(limit.TryTake(100, kStart), absl::ZeroDuration());
