@@ -18,11 +18,12 @@ struct QuotaOptions {
   // ten; the rest is for what it kept while the link was down. Beyond it the robot is not read
   // until it has fallen below again.
   double max_messages_per_s = 200;
-  // How many may come at once after a quiet time.
-  double messages_burst = 1000;
+  // How many may come at once after a quiet time: a second's worth. More is a jolt to its
+  // neighbours.
+  double messages_burst = 200;
   // The same in bytes: what a good radio link brings.
   double max_bytes_per_s = 8 << 20;
-  double bytes_burst = 32 << 20;
+  double bytes_burst = 8 << 20;
   // Calls that are no streams: GetGraph, GetUploadState, AddLoopClosures, GetServerInfo. Beyond it:
   // RESOURCE_EXHAUSTED with the delay after which one goes through.
   double max_calls_per_s = 50;
