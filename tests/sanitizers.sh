@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Builds and runs what the sanitizers look at, and prints how long each part took. After tests/run.sh, which installs what is missing.
 #   tests/sanitizers.sh             what the gate runs: asan, fuzz and tsan
-#   tests/sanitizers.sh asan        ASan and UBSan: every test but those labelled numeric (arithmetic on numbers of our own)
+#   tests/sanitizers.sh asan        ASan and UBSan: every test but those labelled numeric (arithmetic on numbers of our own) and fault
 #   tests/sanitizers.sh asan-all    those, too
 #   tests/sanitizers.sh fuzz        every fuzz target, FUZZ_SECONDS (60) in all
 #   tests/sanitizers.sh tsan        TSan: the tests labelled concurrency
@@ -37,7 +37,7 @@ not_under_asan='client_mapping_client_memory|packaging_.*'
 
 asan() {
   build asan-ubsan outside_tests
-  run asan-ubsan -LE numeric -E "$not_under_asan"
+  run asan-ubsan -LE 'numeric|fault' -E "$not_under_asan"
 }
 
 asan_all() {
