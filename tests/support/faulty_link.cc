@@ -163,7 +163,8 @@ bool FaultyLink::ConnectToServer(Connection& connection) {
 bool FaultyLink::Move(Connection& connection, const LinkConditions& conditions, absl::Time now) {
   if (conditions.black_hole) return true;
   if (connection.up == nullptr && !ConnectToServer(connection)) return false;
-  if (connection.up->WantsToRead(conditions)) connection.up->Read(conditions, now, &up_free_at_, &random_);
+  if (connection.up->WantsToRead(conditions))
+    connection.up->Read(conditions, now, &up_free_at_, &random_);
   if (connection.down->WantsToRead(conditions)) {
     connection.down->Read(conditions, now, &down_free_at_, &random_);
   }
