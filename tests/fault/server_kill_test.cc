@@ -94,8 +94,8 @@ class KillRound {
     for (const auto& robot : robots_) {
       robot->Rest();
       const absl::Status status = robot->client().WaitUntilAcknowledged(kDrainTimeout);
-      EXPECT_TRUE(status.ok()) << ToString(robot->mission()) << ": " << status;
       EXPECT_TRUE(robot->Complaint().ok()) << robot->Complaint();
+      ASSERT_TRUE(status.ok()) << ToString(robot->mission()) << ": " << status;
       handed_over[robot->mission()] = robot->handed();
       keyframes += robot->handed() * kBusyKeyframes;
       figures_.submaps += robot->handed();

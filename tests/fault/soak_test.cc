@@ -34,6 +34,8 @@ constexpr absl::Duration kPatience = absl::Seconds(120);
 // Verdict. A keyframe costs the map its pose, edges, and place in the log's index.
 constexpr double kMaxServerBytesPerKeyframe = 16e3;
 constexpr double kMaxClientMegabytesPerHour = 16;
+// Before, caches still fill: slopes are printed, and judge nothing.
+constexpr int64_t kLongEnough_s = 1800;
 constexpr int64_t kMaxMoreThreads = 16, kMaxMoreDescriptors = 32;
 
 struct Sample {
@@ -156,10 +158,11 @@ TEST_F(SoakTest, NothingGrowsButTheMap) {
                       samples.back().keyframes, server_bytes_per_keyframe, client_mb_per_hour,
                       more_descriptors, more_threads, samples.back().server.resident_kb / 1024,
                       samples.back().client.resident_kb / 1024));
-  EXPECT_LT(server_bytes_per_keyframe, kMaxServerBytesPerKeyframe);
-  EXPECT_LT(client_mb_per_hour, kMaxClientMegabytesPerHour);
   EXPECT_LE(more_descriptors, kMaxMoreDescriptors);
   EXPECT_LE(more_threads, kMaxMoreThreads);
+  if (seconds_ < kLongEnough_s) return;
+  EXPECT_LT(server_bytes_per_keyframe, kMaxServerBytesPerKeyframe);
+  EXPECT_LT(client_mb_per_hour, kMaxClientMegabytesPerHour);
 }
 
 }  // namespace
