@@ -1,8 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Builds and runs what the sanitizers look at, and prints how long each part took. After tests/run.sh, which installs what is missing.
-#   tests/sanitizers.sh             what the gate runs: asan, fuzz and tsan
-#   tests/sanitizers.sh asan        ASan and UBSan: every test but those labelled numeric (arithmetic on numbers of our own) and fault
+#   tests/sanitizers.sh             what the gate has time for: the tests labelled concurrency under ASan and UBSan and under TSan,
+#                                   and every fuzz target
+#   tests/sanitizers.sh asan        ASan and UBSan: unit and integration tests, but those labelled numeric (arithmetic on numbers
+#                                   of our own) and fault
 #   tests/sanitizers.sh asan-all    those, too
 #   tests/sanitizers.sh fuzz        every fuzz target, FUZZ_SECONDS (60) in all
 #   tests/sanitizers.sh tsan        TSan: the tests labelled concurrency
@@ -62,7 +64,8 @@ case ${1:-gate} in
   fuzz) fuzz ;;
   tsan) tsan ;;
   gate)
-    asan
+    build asan-ubsan concurrency_tests
+    run asan-ubsan -L concurrency -LE numeric -E "$not_under_asan"
     fuzz
     tsan
     ;;
