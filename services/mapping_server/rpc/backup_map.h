@@ -7,7 +7,7 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "grpcpp/support/server_callback.h"
+#include "grpcpp/grpcpp.h"
 #include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/v1/map_admin_service.pb.h"
 

@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "absl/status/status.h"
-#include "grpcpp/support/server_callback.h"
+#include "grpcpp/grpcpp.h"
 #include "overtone/proto/conversion/sha256.h"
 #include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/services/mapping_server/security/access_control.h"
