@@ -9,8 +9,11 @@
 
 #include "absl/synchronization/notification.h"
 #include "overtone/core/mapping/multi_robot_map.h"
+#include "overtone/proto/conversion/sha256.h"
+#include "overtone/proto/conversion/submap_conversion.h"
 #include "overtone/services/mapping_server/graph_frames.h"
 #include "overtone/services/mapping_server/map_registry.h"
+#include "overtone/services/mapping_server/submap_digest.h"
 #include "overtone/services/mapping_server/upload_sessions.h"
 #include "overtone/tests/fuzz/fuzz_input.h"
 #include "overtone/tests/proto/conversion_fixture.h"
@@ -19,6 +22,7 @@ namespace overtone::fuzz {
 
 inline ServerOptions WorldOptions() {
   ServerOptions options;
+  options.data_dir = DataDirectory::kMemory;
   options.graph.min_distance_m = 0;  // every keyframe is a node
   options.graph.min_rotation_rad = 0;
   return options;
@@ -62,17 +66,22 @@ class RequestWorld {
 
  private:
   void FillRegistry() {
+    FUZZ_CHECK(registry_.Open().ok(), "no registry");
     const auto map = registry_.Acquire("m");
     FUZZ_CHECK(map.ok(), map.status().ToString());
     registry_.Keep(*map);
     for (const MissionId& mission : WorldMissions()) {
       for (const Submap& submap : WorldSubmaps(mission)) {
-        (*map)->store().Append({mission, std::make_shared<const Submap>(submap), mission.robot},
-                               [](const absl::StatusOr<AppendResult>& result) {
-                                 FUZZ_CHECK(result.ok(), result.status().ToString());
-                               });
+        std::string bytes = DeterministicBytes(ToProto(submap));
+        std::string digest = Sha256(bytes);
+        (*map)->store().Append(
+            {mission, std::make_shared<const Submap>(submap), std::move(bytes), std::move(digest)},
+            [](const absl::StatusOr<AppendResult>& result) {
+              FUZZ_CHECK(result.ok(), result.status().ToString());
+            });
       }
     }
+    (*map)->store().Drain();
     // Decisions are taken between optimisations, in order: when the second one is taken, all of the
     // above is in a revision.
     for (int i = 0; i < 2; ++i) {

@@ -79,8 +79,11 @@ void Run(absl::string_view input) {
     case 'g':
       return Answer<v1::GetGraphRequest>(input, GetGraph);
     case 'm':
-      return Answer<v1::ListMapsRequest>(
-          input, [&](const auto& r) { return ListMaps(registry, r).status(); });
+      return Answer<v1::ListMapsRequest>(input, [&](const auto& r) {
+        return ListMaps(
+                   registry, [](const std::string&) { return true; }, r)
+            .status();
+      });
     case 'r':
       return Answer<v1::ListRobotsRequest>(
           input, [&](const auto& r) { return ListRobots(registry, world.sessions(), r).status(); });

@@ -8,6 +8,7 @@
 #include "overtone/proto/conversion/submap_conversion.h"
 #include "overtone/services/mapping_server/cloud_ledger.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
+#include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/upload_rules.h"
 #include "overtone/tests/fuzz/message_input.h"
 
