@@ -108,8 +108,8 @@ TEST(StalledUploaders, UnreadAnswersAreBounded) {
   for (std::thread& thread : threads) thread.join();
   const double peak = server.PeakMebibytes();
   std::printf("%d uploads that take no answers: %+.1f MiB at most\n", kStalled, peak - before);
-  // An upload's window, for each.
-  EXPECT_LE(peak - before, kStalled * 4);
+  // An upload's window for each, and as much in gRPC's hands.
+  EXPECT_LE(peak - before, kStalled * 8);
 }
 
 }  // namespace
