@@ -63,20 +63,27 @@ void UploadSubmaps::Drain(const absl::Status& status) {
 void UploadSubmaps::OnReadDone(bool ok) {
   absl::Status status;
   absl::Duration pause;
-  if (ok) pause = quota_.Charge(static_cast<int64_t>(request_.ByteSizeLong()));
-  if (!ok && map_id_.empty()) {
-    status = InvalidField("header", "the stream ended before it");
-  } else if (ok) {
+  if (ok && BeginFrame()) {
+    pause = quota_.Charge(static_cast<int64_t>(request_.ByteSizeLong()));
     status = OnFrame();
+  } else if (!ok && map_id_.empty()) {
+    status = InvalidField("header", "the stream ended before it");
   }
   // Decoded, a message of many empty fields takes a hundred times its size.
   request_ = v1::UploadSubmapsRequest();
   absl::MutexLock lock(&mutex_);
+  handling_ = false;
   reading_ = false;
   half_closed_ = half_closed_ || !ok;
   if (!status.ok() && !ending_.has_value()) ending_ = status;
   if (pause > absl::ZeroDuration()) PauseReading(pause);
   Advance();
+}
+
+bool UploadSubmaps::BeginFrame() {
+  absl::MutexLock lock(&mutex_);
+  handling_ = !finished_;
+  return handling_;
 }
 
 void UploadSubmaps::PauseReading(absl::Duration pause) {
@@ -298,7 +305,7 @@ void UploadSubmaps::Advance() {
     reading_ = true;
     StartRead(&request_);
   }
-  if (no_more && waiting_ == 0 && !writing_) {
+  if (no_more && waiting_ == 0 && !handling_ && !writing_) {
     FinishWith(half_closed_ ? absl::OkStatus() : *draining_);
   }
 }

@@ -51,6 +51,8 @@ class UploadSubmaps : public UploadReactor,
   void OnDone() override;
 
  private:
+  // False: the stream has ended, and nobody would hear what became of the frame.
+  bool BeginFrame();
   absl::Status OnFrame();
   absl::Status OnHeader(const v1::UploadHeader& header);
   void OnSubmap(const v1::Submap& message);
@@ -104,7 +106,8 @@ class UploadSubmaps : public UploadReactor,
   absl::flat_hash_map<std::string, int64_t> asked_ ABSL_GUARDED_BY(mutex_);
   bool no_room_ ABSL_GUARDED_BY(mutex_) = false;  // for blobs: ask for no more
   bool reading_ ABSL_GUARDED_BY(mutex_) = false;
-  bool paused_ ABSL_GUARDED_BY(mutex_) = false;  // over the quota, until the alarm
+  bool handling_ ABSL_GUARDED_BY(mutex_) = false;  // a frame that was read, before it waits
+  bool paused_ ABSL_GUARDED_BY(mutex_) = false;    // over the quota, until the alarm
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool half_closed_ ABSL_GUARDED_BY(mutex_) = false;  // the peer sends no more
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
