@@ -152,7 +152,8 @@ void AddRunFlags(CLI::App* command, ReplayOptions* options) {
       ->group("Transport security");
   command
       ->add_option("--server-config", options->server_config,
-                   "YAML file for the server that the replay starts")
+                   "YAML file for the server that the replay starts; it keeps nothing, "
+                   "whatever data_dir says")
       ->check(CLI::ExistingFile)
       ->group(group);
   command->add_option("--map", options->map, "Map to build [one of this run's own]")->group(group);

@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <thread>
@@ -35,7 +33,6 @@ class MapBackupTest : public ::testing::Test {
   MapBackupTest() {
     folder_ = ::testing::TempDir() + "map_backup_" + std::to_string(getpid());
     std::filesystem::create_directories(folder_);
-    std::ofstream(folder_ + "/server.yaml") << "data_dir: " << folder_ << "/data\n";
   }
   ~MapBackupTest() override {
     server_.reset();
@@ -45,7 +42,7 @@ class MapBackupTest : public ::testing::Test {
 
   void StartServer() {
     server_.reset();
-    auto server = ServerProcess::Start(OVERTONE_SERVER, {"--config", folder_ + "/server.yaml"},
+    auto server = ServerProcess::Start(OVERTONE_SERVER, {"--data-dir", folder_ + "/data"},
                                        folder_ + "/server.log", [] { return absl::OkStatus(); });
     ASSERT_TRUE(server.ok()) << server.status();
     server_ = *std::move(server);
