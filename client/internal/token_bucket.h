@@ -8,6 +8,8 @@
 
 #include "absl/base/thread_annotations.h"
 #include "absl/synchronization/mutex.h"
+#include "absl/time/time.h"
+#include "overtone/core/common/rate_limit.h"
 
 namespace overtone {
 
@@ -20,42 +22,32 @@ class TokenBucket {
   using Clock = std::chrono::steady_clock;
 
   // 0: no bound.
-  explicit TokenBucket(int64_t bytes_per_s, Clock::time_point now = Clock::now())
-      : bytes_per_s_(bytes_per_s), balance_(static_cast<double>(bytes_per_s)), at_(now) {}
+  explicit TokenBucket(int64_t bytes_per_s)
+      : bytes_per_s_(bytes_per_s),
+        bytes_(static_cast<double>(bytes_per_s), static_cast<double>(bytes_per_s)) {}
 
   // When the next message may go; not after `now`: at once.
   Clock::time_point ReadyAt(Clock::time_point now) {
-    if (bytes_per_s_ == 0) return now;
     absl::MutexLock lock(&mutex_);
-    Fill(now);
-    if (balance_ >= 0) return now;
-    return now + std::chrono::duration_cast<Clock::duration>(
-                     std::chrono::duration<double>(-balance_ / static_cast<double>(bytes_per_s_)));
+    return now + absl::ToChronoNanoseconds(bytes_.Charge(0, Stamp(now)));
   }
 
   void Take(int64_t bytes, Clock::time_point now) {
-    if (bytes_per_s_ == 0) return;
     absl::MutexLock lock(&mutex_);
-    Fill(now);
-    balance_ -= static_cast<double>(bytes);
+    bytes_.Charge(static_cast<double>(bytes), Stamp(now));
   }
 
   // The largest message that leaves a debt of at most a second; 0: no bound.
   int64_t message_bytes() const { return bytes_per_s_; }
 
  private:
-  void Fill(Clock::time_point now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
-    if (now <= at_) return;
-    const double rate = static_cast<double>(bytes_per_s_);
-    balance_ += rate * std::chrono::duration<double>(now - at_).count();
-    if (balance_ > rate) balance_ = rate;
-    at_ = now;
+  static absl::Time Stamp(Clock::time_point time) {
+    return absl::UnixEpoch() + absl::FromChrono(time.time_since_epoch());
   }
 
   const int64_t bytes_per_s_;
   absl::Mutex mutex_;
-  double balance_ ABSL_GUARDED_BY(mutex_);  // bytes; negative: debt
-  Clock::time_point at_ ABSL_GUARDED_BY(mutex_);
+  RateLimit bytes_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace overtone

@@ -12,7 +12,7 @@
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
 #include "absl/types/optional.h"
-#include "overtone/services/mapping_server/quota/rate_limit.h"
+#include "overtone/core/common/rate_limit.h"
 #include "overtone/services/mapping_server/quota/robot_quotas.h"
 #include "spdlog/spdlog.h"
 

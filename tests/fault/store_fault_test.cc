@@ -119,7 +119,7 @@ class StoreFaultTest : public ::testing::Test {
   }
 
   StoreOptions options_;
-  testing::ScratchFolder folder_{testing::FastFolder()};
+  TemporaryDirectory folder_{testing::FastFolder()};
   std::unique_ptr<SqliteSubmapStore> store_;
 };
 

@@ -160,7 +160,7 @@ class StoreMutationTest : public ::testing::Test {
   }
 
   StoreOptions options_;
-  testing::ScratchFolder folder_{testing::FastFolder()};
+  TemporaryDirectory folder_{testing::FastFolder()};
   std::unique_ptr<SqliteSubmapStore> store_;
   Files closed_, killed_;
   std::vector<std::string> original_;
@@ -186,7 +186,7 @@ TEST_F(StoreMutationTest, WhateverHappensToTheFilesNothingWrongIsTold) {
     Mutate(mutation, random, files[target]);
     if (mutation == Mutation::kRemove) files.erase(target);
 
-    testing::ScratchFolder folder(folder_.path().string());
+    TemporaryDirectory folder(folder_.path());
     const std::string path = folder.File("map");
     for (const auto& [suffix, bytes] : files) {
       std::ofstream(path + suffix, std::ios::binary) << bytes;

@@ -9,8 +9,8 @@
 #include "overtone/client/cli/admin_client.h"
 #include "overtone/client/cli/server_process.h"
 #include "overtone/client/mapping_client.h"
-#include "overtone/tests/support/cutting_proxy.h"
 #include "overtone/tests/support/fake_host.h"
+#include "overtone/tests/support/faulty_link.h"
 #include "overtone/tests/support/straight_mission.h"
 
 namespace overtone {
@@ -32,6 +32,12 @@ std::unique_ptr<MappingClient> Connect(const std::string& address, const Mission
   auto client = MappingClient::Create(options, host);
   EXPECT_TRUE(client.ok()) << client.status();
   return client.ok() ? *std::move(client) : nullptr;
+}
+
+LinkConditions ResetAfter(int64_t bytes) {
+  LinkConditions conditions;
+  conditions.reset_after_bytes = bytes;
+  return conditions;
 }
 
 void Upload(MappingClient& client) {
@@ -63,19 +69,20 @@ class CloudUploadTest : public ::testing::Test {
 };
 
 TEST_F(CloudUploadTest, EveryCloudArrivesOnceThroughAConnectionThatIsCut) {
-  CuttingProxy proxy(server_->address(), /*cut_after_bytes=*/200'000);
+  FaultyLink link(server_->address());
+  link.Set(ResetAfter(200'000));
   FakeHost host;
-  const auto client = Connect(proxy.address(), TestMission(), &host);
+  const auto client = Connect(link.address(), TestMission(), &host);
   ASSERT_NE(client, nullptr);
   Upload(*client);
   ExpectClouds(kClouds);
   const MappingClientStats stats = client->Stats();
-  EXPECT_GE(proxy.connections(), 2);
+  EXPECT_GE(link.connections(), 2);
   EXPECT_EQ(stats.submaps_acknowledged, kSubmaps);
   EXPECT_EQ(stats.blobs_waiting, 0);
   EXPECT_EQ(stats.clouds_dropped, 0);
   EXPECT_GT(stats.bytes_sent, 400'000);
-  std::printf("%ld bytes sent, %d connections\n", stats.bytes_sent, proxy.connections());
+  std::printf("%ld bytes sent, %ld connections\n", stats.bytes_sent, link.connections());
 }
 
 TEST_F(CloudUploadTest, WhatAnotherMissionSentIsNotSentAgain) {
@@ -95,8 +102,9 @@ TEST_F(CloudUploadTest, WhatAnotherMissionSentIsNotSentAgain) {
 TEST_F(CloudUploadTest, ARobotThatStartsOverLosesNoCloud) {
   FakeHost host;
   {
-    CuttingProxy proxy(server_->address(), /*cut_after_bytes=*/200'000);
-    const auto client = Connect(proxy.address(), TestMission(), &host);
+    FaultyLink link(server_->address());
+    link.Set(ResetAfter(200'000));
+    const auto client = Connect(link.address(), TestMission(), &host);
     ASSERT_NE(client, nullptr);
     for (int64_t i = 0; i < kSubmaps; ++i) {
       ASSERT_TRUE(client->AddSubmap(WithClouds(StraightSubmap(i), 10, 3000)).ok());

@@ -12,8 +12,9 @@ namespace overtone {
 // A new directory of its own, removed with all that is in it.
 class TemporaryDirectory {
  public:
-  TemporaryDirectory() {
-    std::string name = (std::filesystem::temp_directory_path() / "overtone_XXXXXX").string();
+  explicit TemporaryDirectory(
+      const std::string& parent = std::filesystem::temp_directory_path().string()) {
+    std::string name = parent + "/overtone_XXXXXX";
     if (mkdtemp(name.data()) == nullptr) std::abort();
     path_ = name;
   }

@@ -14,8 +14,8 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "overtone/core/common/rate_limit.h"
 #include "overtone/services/mapping_server/quota/quota_options.h"
-#include "overtone/services/mapping_server/quota/rate_limit.h"
 
 namespace overtone {
 

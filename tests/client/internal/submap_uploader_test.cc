@@ -343,7 +343,7 @@ TEST(SubmapUploader, UnderABoundChunksAreSmallAndEveryByteIsPaidFor) {
     return upload.AcknowledgeEverything();
   }});
   const TokenBucket::Clock::time_point start = TokenBucket::Clock::now();
-  TokenBucket bucket(kRate, start);
+  TokenBucket bucket(kRate);
   Robot robot(server.address(), /*num_submaps=*/0, absl::Minutes(5), &bucket);
   robot.Push(0, {Blob("a", 300'000)});
   ASSERT_TRUE(robot.outbox().AwaitEmpty(kPatience));

@@ -15,13 +15,13 @@ using std::chrono::seconds;
 const Clock::time_point kStart = Clock::time_point() + seconds(1000);
 
 TEST(TokenBucket, WithoutABoundEverythingMayGoAtOnce) {
-  TokenBucket bucket(0, kStart);
+  TokenBucket bucket(0);
   bucket.Take(int64_t{1} << 40, kStart);
   EXPECT_EQ(bucket.ReadyAt(kStart), kStart);
 }
 
 TEST(TokenBucket, ADebtIsPaidOffBeforeTheNextMessage) {
-  TokenBucket bucket(1000, kStart);
+  TokenBucket bucket(1000);
   EXPECT_EQ(bucket.ReadyAt(kStart), kStart);
   bucket.Take(1000, kStart);  // all that was in it
   EXPECT_EQ(bucket.ReadyAt(kStart), kStart);
@@ -32,7 +32,7 @@ TEST(TokenBucket, ADebtIsPaidOffBeforeTheNextMessage) {
 }
 
 TEST(TokenBucket, SavesUpNoMoreThanASecond) {
-  TokenBucket bucket(1000, kStart);
+  TokenBucket bucket(1000);
   const Clock::time_point later = kStart + std::chrono::hours(1);
   bucket.Take(3000, later);
   EXPECT_EQ(bucket.ReadyAt(later), later + seconds(2));
@@ -44,7 +44,7 @@ TEST(TokenBucket, NoMoreGoesThanTheRateASecondMoreAndOneMessage) {
   std::mt19937 random(7);
   std::uniform_int_distribution<int64_t> size(1, kLargest);
   std::uniform_int_distribution<int> pause_ms(0, 300);
-  TokenBucket bucket(kRate, kStart);
+  TokenBucket bucket(kRate);
   Clock::time_point now = kStart;
   int64_t sent = 0;
   for (int i = 0; i < 2000; ++i) {

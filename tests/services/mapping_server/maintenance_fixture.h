@@ -66,6 +66,7 @@ class MaintenanceTest : public ServerTest {
     return options;
   }
   void SetUp() override { StartServer(DurableOptions()); }
+  void TearDown() override { server_.reset(); }  // before its folder goes
   void Restart() {
     server_.reset();
     StartServer(DurableOptions());
@@ -158,7 +159,7 @@ class MaintenanceTest : public ServerTest {
     return names;
   }
 
-  // Submap 0 of five keyframes, and a cloud of 100 kB for each of them.
+  // Submap 0 of five keyframes, and a cloud of about 77 kB for each of them.
   void UploadWithClouds(const std::string& map, const MissionId& mission, int seed) {
     std::vector<std::string> blobs;
     for (int i = 0; i < 5; ++i) blobs.push_back(EncodedCloud(10 * seed + i, 25'000));
@@ -196,7 +197,7 @@ class MaintenanceTest : public ServerTest {
     return folder_.File("data/maps/" + map + "/map.db");
   }
 
-  ScratchFolder folder_;
+  TemporaryDirectory folder_;
 };
 
 }  // namespace overtone::testing

@@ -76,7 +76,7 @@ class StoreDamageTest : public ::testing::Test {
   }
   std::vector<std::string> Losses() const { return store_->Verify().losses; }
 
-  testing::ScratchFolder folder_;
+  TemporaryDirectory folder_;
   std::string path_ = folder_.File("map.db");
   testing::ToldList told_;
   std::unique_ptr<SqliteSubmapStore> store_;

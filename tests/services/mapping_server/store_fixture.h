@@ -3,7 +3,6 @@
 #ifndef OVERTONE_TESTS_SERVICES_MAPPING_SERVER_STORE_FIXTURE_H_
 #define OVERTONE_TESTS_SERVICES_MAPPING_SERVER_STORE_FIXTURE_H_
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -17,6 +16,7 @@
 #include "overtone/services/mapping_server/submap_digest.h"
 #include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
 #include "overtone/tests/services/mapping_server/cloud_fixture.h"
+#include "overtone/tests/support/temporary_directory.h"
 
 namespace overtone::testing {
 
@@ -122,24 +122,6 @@ inline absl::Status PutSnapshot(SubmapStore& store, std::string bytes) {
 
 // What was pushed before is done and told, as long as it fits into one batch.
 inline void WaitUntilIdle(SubmapStore& store) { EXPECT_TRUE(AppendClosures(store, {}).ok()); }
-
-// Empty, removed at the end.
-class ScratchFolder {
- public:
-  explicit ScratchFolder(const std::string& parent = ::testing::TempDir()) {
-    std::string pattern = parent + "/store_XXXXXX";
-    path_ = mkdtemp(pattern.data());
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;  // files may go while we look
-    std::filesystem::remove_all(path_, ignored);
-  }
-  std::string File(const std::string& name) const { return (path_ / name).string(); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 }  // namespace overtone::testing
 

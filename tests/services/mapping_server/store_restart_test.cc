@@ -50,7 +50,7 @@ class StoreRestartTest : public ::testing::Test {
     ASSERT_TRUE(result.ok()) << result.status();
   }
 
-  testing::ScratchFolder folder_;
+  TemporaryDirectory folder_;
   std::string path_ = folder_.File("map.db");
   testing::ToldList told_;
   std::unique_ptr<SqliteSubmapStore> store_;

@@ -51,7 +51,7 @@ class SubmapStoreTest : public ::testing::TestWithParam<bool> {
     return digests;
   }
 
-  testing::ScratchFolder folder_;
+  TemporaryDirectory folder_;
   testing::ToldList told_;
   std::unique_ptr<SqliteSubmapStore> store_;
 };

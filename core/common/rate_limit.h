@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef OVERTONE_SERVICES_MAPPING_SERVER_QUOTA_RATE_LIMIT_H_
-#define OVERTONE_SERVICES_MAPPING_SERVER_QUOTA_RATE_LIMIT_H_
+#ifndef OVERTONE_CORE_COMMON_RATE_LIMIT_H_
+#define OVERTONE_CORE_COMMON_RATE_LIMIT_H_
 
 #include "absl/time/time.h"
 
@@ -35,4 +35,4 @@ class RateLimit {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_SERVICES_MAPPING_SERVER_QUOTA_RATE_LIMIT_H_
+#endif  // OVERTONE_CORE_COMMON_RATE_LIMIT_H_

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/services/mapping_server/quota/rate_limit.h"
+#include "overtone/core/common/rate_limit.h"
 
 #include "gtest/gtest.h"
 
