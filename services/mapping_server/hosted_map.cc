@@ -140,9 +140,7 @@ void HostedMap::NoteForDetector(const Finding& finding) {
 
 // A finding that cannot be stored is looked for again after a restart, and missing until then.
 void HostedMap::StoreFinding(const Finding& finding) {
-  ++findings_under_way_;
   store_->AppendFinding(ToRecord(finding), [this](const absl::Status& status) {
-    --findings_under_way_;
     if (status.ok()) return;
     LogPeer(spdlog::level::warn, "finding lost", "map {}: a finding is lost: {}", id_,
             HeaderSafe(status.ToString()));
@@ -169,9 +167,7 @@ void HostedMap::Decide(MappingPipeline::Decision decision, Done done) {
       },
       [this, standing, done = std::move(done)](const absl::Status& status) {
         if (!status.ok()) return done(status);
-        ++findings_under_way_;
-        store_->AppendFinding(ToRecord(*standing), [this, done](const absl::Status& stored) {
-          --findings_under_way_;
+        store_->AppendFinding(ToRecord(*standing), [done](const absl::Status& stored) {
           if (stored.ok()) return done(stored);
           done(absl::Status(stored.code(),
                             absl::StrCat("in effect, but not stored: ", stored.message())));

@@ -3,7 +3,6 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_HOSTED_MAP_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_HOSTED_MAP_H_
 
-#include <atomic>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -67,12 +66,14 @@ class HostedMap {
   void RollBack(uint64_t revision, std::function<void(const absl::StatusOr<RolledBack>&)> done);
 
   const LoopDetector& detector() const { return *detector_; }
-  // Clouds, candidates and submaps that the newest revision does not take into account yet. Read it
+  // What was stored or found, and the newest revision does not take into account yet. Read it
   // before that revision: then 0 means that the revision holds all.
   int64_t backlog() const {
+    // In the order in which things move on: what leaves one is with the next by then.
+    const int64_t to_store = store_->Backlog();
     const int64_t to_find = detector_->backlog();
-    const int64_t to_store = findings_under_way_;
-    return to_find + to_store + pipeline_->backlog();
+    const int64_t found = store_->Backlog();
+    return to_store + to_find + found + pipeline_->backlog();
   }
 
  private:
@@ -96,7 +97,6 @@ class HostedMap {
   mutable absl::Mutex mutex_;
   Published published_ ABSL_GUARDED_BY(mutex_);
   std::deque<RevisionRecord> revisions_ ABSL_GUARDED_BY(mutex_);  // newest first
-  std::atomic<int64_t> findings_under_way_{0};                    // with the store
   bool replaying_ = false;                                        // in Start only
   MapDecisions replayed_;                                         // likewise
   // From what comes to what goes out:

@@ -164,6 +164,8 @@ class SubmapStore {
 
   // Waits until all that was given to it so far is done: sinks and `done`s called.
   virtual void Drain() = 0;
+  // How much of it is not done yet.
+  virtual int64_t Backlog() const = 0;
 
   // A mission that is not there expects sequence 0.
   virtual UploadState State(const MissionId& mission) const = 0;

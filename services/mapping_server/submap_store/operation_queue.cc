@@ -40,6 +40,11 @@ void OperationQueue::Finished(size_t count) {
   unfinished_ -= count;
 }
 
+int64_t OperationQueue::unfinished() const {
+  absl::MutexLock lock(&mutex_);
+  return static_cast<int64_t>(unfinished_);
+}
+
 void OperationQueue::AwaitFinished() const {
   absl::MutexLock lock(&mutex_, absl::Condition(this, &OperationQueue::AllFinished));
 }

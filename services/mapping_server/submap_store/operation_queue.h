@@ -29,6 +29,7 @@ class OperationQueue {
   // So many of those taken are finished.
   void Finished(size_t count);
   bool empty() const;
+  int64_t unfinished() const;
   // Waits until all that was pushed is finished.
   void AwaitFinished() const;
   // Take still gives what waits.

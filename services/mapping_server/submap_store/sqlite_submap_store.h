@@ -56,6 +56,7 @@ class SqliteSubmapStore : public SubmapStore {
   void Drain() override {
     if (writer_.started()) writer_.Drain();
   }
+  int64_t Backlog() const override { return writer_.Backlog(); }
   UploadState State(const MissionId& mission) const override { return index_.State(mission); }
   std::map<MissionId, UploadState> Missions() const override { return index_.Missions(); }
 

@@ -30,7 +30,7 @@ struct StoreOptions {
   int checkpoint_pages = 4000;
 };
 
-// Push and Drain are thread-safe. All else by one thread.
+// Push, Drain and Backlog are thread-safe. All else by one thread.
 class StoreWriter {
  public:
   StoreWriter(StoreFile* file, StoreIndex* index, LossList* losses, const ServerLimits& limits,
@@ -47,6 +47,7 @@ class StoreWriter {
   void Push(std::unique_ptr<StoreOperation> operation);
   // Waits until all that was pushed is finished. Only after Start.
   void Drain() const { queue_.AwaitFinished(); }
+  int64_t Backlog() const { return queue_.unfinished(); }
 
  private:
   void Run();
