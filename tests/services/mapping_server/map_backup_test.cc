@@ -262,7 +262,7 @@ TEST_F(MapBackupTest, AFileThatIsNoBackupChangesNothing) {
     const grpc::Status status = TryRestore("mine", file, /*replace=*/true, response);
     EXPECT_EQ(status.error_code(), grpc::DATA_LOSS) << status.error_message();
     EXPECT_THAT(status.error_message(), HasSubstr("the file is no backup that can be restored: "));
-    EXPECT_THAT(status.error_message(), Not(HasSubstr(folder_.path().string())));
+    EXPECT_THAT(status.error_message(), Not(HasSubstr(folder_.path())));
     EXPECT_EQ(Transfers(), 0);
   }
   // Not even its streams have noticed.
@@ -293,7 +293,12 @@ TEST_F(MapBackupTest, ABackupThatNobodyTakesLeavesNothing) {
   request.set_map("mine");
   grpc::ClientContext context;
   context.set_deadline(testing::Deadline());
-  const auto stream = admin_->BackupMap(&context, request);
+  // A window that does not grow: most of it stays with the server until somebody takes it.
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  const auto admin = v1::MapAdminService::NewStub(
+      grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments));
+  const auto stream = admin->BackupMap(&context, request);
   v1::BackupMapResponse response;
   ASSERT_TRUE(stream->Read(&response));
   ASSERT_GT(response.header().total_bytes(), 1 << 20);
