@@ -9,6 +9,13 @@
 #include "overtone/proto/conversion/status_conversion.h"
 
 namespace overtone {
+namespace {
+
+// What comes at once is stored with one fsync, and the neighbours have the disk for themselves in
+// between. The rate is the same: the tokens of the pause are there after it.
+constexpr absl::Duration kShortestPause = absl::Milliseconds(500);
+
+}  // namespace
 
 absl::Time MonotonicNow() {
   return absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
@@ -73,8 +80,8 @@ absl::Duration RobotQuotas::Charge(const std::string& who, int64_t bytes) {
   absl::MutexLock lock(&mutex_);
   Robot& robot = Find(who);
   const absl::Time now = now_();
-  return std::max(robot.messages.Charge(1, now),
-                  robot.bytes.Charge(static_cast<double>(bytes), now));
+  return std::max(robot.messages.Charge(1, now, kShortestPause),
+                  robot.bytes.Charge(static_cast<double>(bytes), now, kShortestPause));
 }
 
 }  // namespace overtone
