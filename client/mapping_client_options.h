@@ -60,6 +60,12 @@ struct MappingClientOptions {
   // mission itself does not depend on it: stamps are compared with those of the same robot only.
   absl::Duration clock_offset_warning = absl::Milliseconds(500);
 
+  // Tell the server after each comparison, and at least so often, how the link fares and what the
+  // comparison found: for operators to see, nothing depends on it. It takes up to 10 kB for a
+  // comparison, and never more than a twentieth of max_upload_bytes_per_s.
+  bool report_status = true;
+  absl::Duration report_interval = absl::Seconds(10);
+
   SynchronizationOptions synchronization;
 
   // Where the library's messages go; none by default. Called from the client's threads.

@@ -12,6 +12,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/services/mapping_server/log_format.h"
 #include "overtone/services/mapping_server/mapping_server.h"
 #include "overtone/services/mapping_server/options_file.h"
 #include "spdlog/sinks/stdout_color_sinks.h"
@@ -46,6 +47,7 @@ struct Flags {
   std::string listen;
   std::string data_dir;
   std::string log_level;
+  std::string log_format;
   bool insecure = false;
 };
 
@@ -59,6 +61,7 @@ void Declare(CLI::App& app, Flags& flags) {
                "Serve without certificates where other hosts can reach us; they may do everything");
   app.add_option("--log-level", flags.log_level,
                  "trace, debug, info, warning, error, critical or off");
+  app.add_option("--log-format", flags.log_format, "text, or json: one object a line");
 }
 
 absl::StatusOr<ServerOptions> ReadOptions(const Flags& flags) {
@@ -68,6 +71,7 @@ absl::StatusOr<ServerOptions> ReadOptions(const Flags& flags) {
   if (!flags.data_dir.empty()) options.data_dir = flags.data_dir;
   if (flags.insecure) options.security.insecure = true;
   if (!flags.log_level.empty()) options.log_level = flags.log_level;
+  if (!flags.log_format.empty()) options.log_format = flags.log_format;
   RETURN_IF_ERROR(options.Validate());
   return options;
 }
@@ -85,6 +89,7 @@ void LogOptions(const ServerOptions& options) {
 absl::Status Serve(const Flags& flags) {
   ASSIGN_OR_RETURN(const ServerOptions options, ReadOptions(flags));
   spdlog::set_default_logger(spdlog::stderr_color_mt("mapping_server"));
+  spdlog::set_formatter(LogLines(options.log_format));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
   LogOptions(options);
 

@@ -10,6 +10,7 @@
 #include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
 #include "overtone/services/mapping_server/rpc/housekeeping.h"
+#include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/restore_map.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 
@@ -106,6 +107,14 @@ grpc::ServerUnaryReactor* MapAdminService::GetTrajectory(grpc::CallbackServerCon
   return Administer(context, *request, [&] {
     return Answer(context, overtone::GetTrajectory(*registry_, *request, max_message_bytes_),
                   response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapAdminService::GetStatusReport(
+    grpc::CallbackServerContext* context, const v1::GetStatusReportRequest* request,
+    v1::GetStatusReportResponse* response) {
+  return Administer(context, *request, [&] {
+    return Answer(context, overtone::GetStatusReport(*registry_, *request), response);
   });
 }
 

@@ -49,6 +49,9 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
   grpc::ServerUnaryReactor* GetTrajectory(grpc::CallbackServerContext* context,
                                           const v1::GetTrajectoryRequest* request,
                                           v1::GetTrajectoryResponse* response) override;
+  grpc::ServerUnaryReactor* GetStatusReport(grpc::CallbackServerContext* context,
+                                            const v1::GetStatusReportRequest* request,
+                                            v1::GetStatusReportResponse* response) override;
   grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(
       grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
   grpc::ServerWriteReactor<v1::BackupMapResponse>* BackupMap(

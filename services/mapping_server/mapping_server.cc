@@ -13,6 +13,7 @@
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/services/mapping_server/rpc/call_interceptor.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -74,8 +75,10 @@ absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const Server
   RETURN_IF_ERROR(server->registry_.Open());
   RETURN_IF_ERROR(server->Listen());
   if (!options.metrics_listen.empty()) {
-    ASSIGN_OR_RETURN(server->metrics_,
-                     MetricsEndpoint::Start(options.metrics_listen, &server->registry_));
+    ASSIGN_OR_RETURN(
+        server->metrics_,
+        MetricsEndpoint::Start(options.metrics_listen, {&server->registry_, &server->sessions_,
+                                                        &server->quotas_, &server->rpcs_}));
   }
   return server;
 }
@@ -87,6 +90,9 @@ absl::Status MappingServer::Listen() {
   ConfigureConnections(options_, builder);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.AddListeningPort(options_.listen, security_->Credentials(), &port_);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<CallInterceptorFactory>(&rpcs_));
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
   builder.RegisterService(&mapping_service_);
   builder.RegisterService(&map_admin_service_);
   server_ = builder.BuildAndStart();

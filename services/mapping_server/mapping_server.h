@@ -13,6 +13,7 @@
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
+#include "overtone/services/mapping_server/metrics/rpc_metrics.h"
 #include "overtone/services/mapping_server/quota/robot_quotas.h"
 #include "overtone/services/mapping_server/security/server_security.h"
 #include "overtone/services/mapping_server/server_options.h"
@@ -50,6 +51,7 @@ class MappingServer {
   const ServerOptions options_;
   const std::unique_ptr<ServerSecurity> security_;
   RobotQuotas quotas_;
+  RpcMetrics rpcs_;
   MapRegistry registry_;
   UploadSessions sessions_;
   MapMaintenance maintenance_;

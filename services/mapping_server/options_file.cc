@@ -68,6 +68,7 @@ std::map<std::string, Key> Keys(ServerOptions& options) {
       {"data_dir", Into(options.data_dir)},
       {"metrics_listen", Into(options.metrics_listen)},
       {"log_level", Into(options.log_level)},
+      {"log_format", Into(options.log_format)},
       {"reflection", Into(options.reflection)},
       {"keepalive_s", Into(options.keepalive_s)},
       {"shutdown_s", Into(options.shutdown_s)},

@@ -7,6 +7,7 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/tests/fuzz/message_input.h"
 #include "overtone/tests/fuzz/request_world.h"
@@ -71,6 +72,12 @@ void Run(absl::string_view input) {
     case 'u':
       return Answer<v1::GetUploadStateRequest>(
           input, [&](const auto& r) { return GetUploadState(registry, r).status(); });
+    case 'p':
+      return Answer<v1::ReportStatusRequest>(
+          input, [&](const auto& r) { return ReportStatus(registry, r).status(); });
+    case 'q':
+      return Answer<v1::GetStatusReportRequest>(
+          input, [&](const auto& r) { return GetStatusReport(registry, r).status(); });
     case 'c':
       return Answer<v1::AddLoopClosuresRequest>(
           input, [&](const auto& r) { return CheckClosures(r).status(); });
