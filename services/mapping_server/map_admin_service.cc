@@ -15,10 +15,12 @@
 
 namespace overtone {
 
-MapAdminService::MapAdminService(int64_t max_message_bytes, const AccessControl* access,
-                                 const MapRegistry* registry, const UploadSessions* sessions,
-                                 MapMaintenance* maintenance)
+MapAdminService::MapAdminService(int64_t max_message_bytes,
+                                 v1::GetConfigurationResponse configuration,
+                                 const AccessControl* access, const MapRegistry* registry,
+                                 const UploadSessions* sessions, MapMaintenance* maintenance)
     : max_message_bytes_(max_message_bytes),
+      configuration_(std::move(configuration)),
       access_(access),
       registry_(registry),
       sessions_(sessions),
@@ -106,6 +108,14 @@ grpc::ServerUnaryReactor* MapAdminService::GetTrajectory(grpc::CallbackServerCon
   return Administer(context, *request, [&] {
     return Answer(context, overtone::GetTrajectory(*registry_, *request, max_message_bytes_),
                   response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapAdminService::GetConfiguration(
+    grpc::CallbackServerContext* context, const v1::GetConfigurationRequest*,
+    v1::GetConfigurationResponse* response) {
+  return Guarded(context, access_->MustBeOperator(*context), [&] {
+    return Answer<v1::GetConfigurationResponse>(context, configuration_, response);
   });
 }
 

@@ -47,6 +47,7 @@ const std::map<std::string, Right>& Rights() {
       {"MapAdminService/ListRevisions", Right::kAdministerMap},
       {"MapAdminService/RollBack", Right::kAdministerMap},
       {"MapAdminService/GetTrajectory", Right::kAdministerMap},
+      {"MapAdminService/GetConfiguration", Right::kBeOperator},
       {"MapAdminService/ExportMap", Right::kAdministerMap},
       {"MapAdminService/BackupMap", Right::kAdministerMap},
       {"MapAdminService/RestoreMap", Right::kAdministerMap},
