@@ -20,6 +20,7 @@
 
 namespace overtone {
 
+// Counts of this client since it was created.
 struct MappingClientStats {
   LinkState link_state = LinkState::kConnecting;
   int64_t submaps_acknowledged = 0;
@@ -111,6 +112,7 @@ class MappingClient {
   // inside one of the host's callbacks. NotFound: the server has not mapped this mission yet.
   virtual absl::StatusOr<SynchronizationReport> Synchronize() = 0;
 
+  // As of now; never waits.
   virtual MappingClientStats Stats() const = 0;
 };
 

@@ -16,8 +16,10 @@
 
 namespace overtone {
 
+// How much a message of the library matters.
 enum class LogLevel { kInfo, kWarning, kError };
 
+// Who this robot is, which server it talks to, and what that may cost.
 struct MappingClientOptions {
   std::string server = "localhost:7077";  // host:port
   TlsFiles tls;                           // needed for a server on another host
@@ -71,6 +73,7 @@ struct MappingClientOptions {
   // Where the library's messages go; none by default. Called from the client's threads.
   std::function<void(LogLevel, absl::string_view)> log;
 
+  // InvalidArgument naming the member.
   absl::Status Validate() const;
 };
 

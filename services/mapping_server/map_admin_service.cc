@@ -16,10 +16,12 @@
 
 namespace overtone {
 
-MapAdminService::MapAdminService(int64_t max_message_bytes, const AccessControl* access,
-                                 const MapRegistry* registry, const UploadSessions* sessions,
-                                 MapMaintenance* maintenance)
+MapAdminService::MapAdminService(int64_t max_message_bytes,
+                                 v1::GetConfigurationResponse configuration,
+                                 const AccessControl* access, const MapRegistry* registry,
+                                 const UploadSessions* sessions, MapMaintenance* maintenance)
     : max_message_bytes_(max_message_bytes),
+      configuration_(std::move(configuration)),
       access_(access),
       registry_(registry),
       sessions_(sessions),
@@ -115,6 +117,14 @@ grpc::ServerUnaryReactor* MapAdminService::GetStatusReport(
     v1::GetStatusReportResponse* response) {
   return Administer(context, *request, [&] {
     return Answer(context, overtone::GetStatusReport(*registry_, *request), response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapAdminService::GetConfiguration(
+    grpc::CallbackServerContext* context, const v1::GetConfigurationRequest*,
+    v1::GetConfigurationResponse* response) {
+  return Guarded(context, access_->MustBeOperator(*context), [&] {
+    return Answer<v1::GetConfigurationResponse>(context, configuration_, response);
   });
 }
 

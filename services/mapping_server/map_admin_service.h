@@ -15,9 +15,9 @@ namespace overtone {
 // map first. All that it is given outlives the service.
 class MapAdminService final : public v1::MapAdminService::CallbackService {
  public:
-  MapAdminService(int64_t max_message_bytes, const AccessControl* access,
-                  const MapRegistry* registry, const UploadSessions* sessions,
-                  MapMaintenance* maintenance);
+  MapAdminService(int64_t max_message_bytes, v1::GetConfigurationResponse configuration,
+                  const AccessControl* access, const MapRegistry* registry,
+                  const UploadSessions* sessions, MapMaintenance* maintenance);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -52,6 +52,9 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
   grpc::ServerUnaryReactor* GetStatusReport(grpc::CallbackServerContext* context,
                                             const v1::GetStatusReportRequest* request,
                                             v1::GetStatusReportResponse* response) override;
+  grpc::ServerUnaryReactor* GetConfiguration(grpc::CallbackServerContext* context,
+                                             const v1::GetConfigurationRequest* request,
+                                             v1::GetConfigurationResponse* response) override;
   grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(
       grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
   grpc::ServerWriteReactor<v1::BackupMapResponse>* BackupMap(
@@ -75,6 +78,7 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
                                        Call call) const;
 
   const int64_t max_message_bytes_;
+  const v1::GetConfigurationResponse configuration_;
   const AccessControl* const access_;
   const MapRegistry* const registry_;
   const UploadSessions* const sessions_;

@@ -7,6 +7,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "grpc/health/v1/health.pb.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "grpcpp/impl/server_builder_option.h"
@@ -57,21 +58,23 @@ void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& bui
 
 }  // namespace
 
-MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security)
-    : options_(options),
+MappingServer::MappingServer(const Configuration& configuration,
+                             std::unique_ptr<ServerSecurity> security)
+    : options_(configuration.options),
       security_(std::move(security)),
-      quotas_(options.quotas),
-      registry_(options),
-      maintenance_(options.limits, &registry_, &sessions_),
-      mapping_service_(options, security_->access(), &quotas_, &registry_, &sessions_),
-      map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
-                         &sessions_, &maintenance_) {}
+      quotas_(options_.quotas),
+      registry_(options_),
+      maintenance_(options_.limits, &registry_, &sessions_),
+      mapping_service_(options_, security_->access(), &quotas_, &registry_, &sessions_),
+      map_admin_service_(options_.limits.max_message_bytes, DescribeConfiguration(configuration),
+                         security_->access(), &registry_, &sessions_, &maintenance_) {}
 
-absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
+absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options,
+                                                                    const OptionSources& sources) {
   RETURN_IF_ERROR(options.Validate());
   ASSIGN_OR_RETURN(std::unique_ptr<ServerSecurity> security,
                    ServerSecurity::Create(options.security));
-  std::unique_ptr<MappingServer> server(new MappingServer(options, std::move(security)));
+  std::unique_ptr<MappingServer> server(new MappingServer({options, sources}, std::move(security)));
   RETURN_IF_ERROR(server->registry_.Open());
   RETURN_IF_ERROR(server->Listen());
   if (!options.metrics_listen.empty()) {
@@ -86,6 +89,7 @@ absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const Server
 absl::Status MappingServer::Listen() {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::health::v1::HealthCheckRequest::descriptor();  // linked, so that reflection knows it
   grpc::ServerBuilder builder;
   ConfigureConnections(options_, builder);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());

@@ -49,6 +49,7 @@ const std::map<std::string, Right>& Rights() {
       {"MapAdminService/RollBack", Right::kAdministerMap},
       {"MapAdminService/GetTrajectory", Right::kAdministerMap},
       {"MapAdminService/GetStatusReport", Right::kAdministerMap},
+      {"MapAdminService/GetConfiguration", Right::kBeOperator},
       {"MapAdminService/ExportMap", Right::kAdministerMap},
       {"MapAdminService/BackupMap", Right::kAdministerMap},
       {"MapAdminService/RestoreMap", Right::kAdministerMap},
