@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "overtone/services/mapping_server/closure_listing.h"
-#include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
 #include "overtone/services/mapping_server/rpc/backup_map.h"
 #include "overtone/services/mapping_server/rpc/decisions.h"
@@ -25,7 +24,8 @@ MapAdminService::MapAdminService(int64_t max_message_bytes,
       access_(access),
       registry_(registry),
       sessions_(sessions),
-      maintenance_(maintenance) {}
+      maintenance_(maintenance),
+      exporter_(registry) {}
 
 template <typename Request, typename Call>
 grpc::ServerUnaryReactor* MapAdminService::Administer(grpc::CallbackServerContext* context,
@@ -130,8 +130,8 @@ grpc::ServerUnaryReactor* MapAdminService::GetConfiguration(
 
 grpc::ServerWriteReactor<v1::ExportMapResponse>* MapAdminService::ExportMap(
     grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) {
-  const absl::Status may = access_->MayAdminister(*context, request->map());
-  return new overtone::ExportMap(may.ok() ? MapFile(*registry_, *request) : may);
+  return new overtone::ExportMap(access_->MayAdminister(*context, request->map()), *registry_,
+                                 &exporter_, *request);
 }
 
 grpc::ServerWriteReactor<v1::BackupMapResponse>* MapAdminService::BackupMap(

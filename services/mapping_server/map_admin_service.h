@@ -3,6 +3,7 @@
 #define OVERTONE_SERVICES_MAPPING_SERVER_MAP_ADMIN_SERVICE_H_
 
 #include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/cloud_exporter.h"
 #include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/security/access_control.h"
@@ -83,6 +84,7 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
   const MapRegistry* const registry_;
   const UploadSessions* const sessions_;
   MapMaintenance* const maintenance_;
+  CloudExporter exporter_;
 };
 
 }  // namespace overtone

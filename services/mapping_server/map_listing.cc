@@ -212,6 +212,9 @@ absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const MapRegistry& regis
         next_start != mission->submap_starts.end() && *next_start == static_cast<int64_t>(i);
     if (start) ++next_start;
     *response.add_nodes() = Describe(*mission, i, start);
+    if (request.odometry()) {
+      *response.add_odometry() = ToProto(mission->keyframes[i].mission_from_body);
+    }
   }
   if (static_cast<int64_t>(response.ByteSizeLong()) > max_message_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat("mission: ", response.nodes_size(),

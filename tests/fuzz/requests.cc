@@ -7,6 +7,7 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/merged_cloud.h"
 #include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/tests/fuzz/message_input.h"
@@ -121,8 +122,10 @@ void Run(absl::string_view input) {
         return GetTrajectory(registry, r, world.options().limits.max_message_bytes).status();
       });
     case 'x':
-      return Answer<v1::ExportMapRequest>(
-          input, [&](const auto& r) { return MapFile(registry, r).status(); });
+      return Answer<v1::ExportMapRequest>(input, [&](const auto& r) {
+        const bool clouds = r.format() == v1::EXPORT_FORMAT_PLY;
+        return clouds ? ReadCloudExport(r).status() : MapFile(registry, r).status();
+      });
     default:
       return;
   }
