@@ -7,6 +7,7 @@
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
 #include "overtone/services/mapping_server/rpc/backup_map.h"
+#include "overtone/services/mapping_server/rpc/call_fields.h"
 #include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
 #include "overtone/services/mapping_server/rpc/housekeeping.h"
@@ -28,6 +29,7 @@ MapAdminService::MapAdminService(int64_t max_message_bytes, const AccessControl*
 template <typename Request, typename Call>
 grpc::ServerUnaryReactor* MapAdminService::Administer(grpc::CallbackServerContext* context,
                                                       const Request& request, Call call) const {
+  CallFields::Get().Set(context, LogFieldsOf(request.map()));
   return Guarded(context, access_->MayAdminister(*context, request.map()), std::move(call));
 }
 
