@@ -3,12 +3,12 @@
 #   DOCKER_BUILDKIT=1 docker build -f docker/client.Dockerfile -t overtone-client .
 FROM debian:bookworm-slim AS build
 COPY docker/packages.txt docker/install_packages.sh /packages/
-RUN /packages/install_packages.sh client && rm -rf /var/lib/apt/lists/* /var/cache/apt/*
+RUN /packages/install_packages.sh client
 RUN --mount=type=bind,target=/src,rw --mount=type=cache,id=overtone-ccache,target=/root/.cache/ccache \
     cd /src && docker/build.sh client-only all && cmake --install build/client-only --component client --prefix /usr/local >/dev/null
 # Here nothing of Overtone is left but the package: what find_package(overtone) gives is all that the robot is built with.
 RUN --mount=type=bind,source=client/examples/01_robot,target=/robot \
-    cmake -S /robot -B /build -DCMAKE_BUILD_TYPE=Release >/dev/null && cmake --build /build
+    cmake -G Ninja -S /robot -B /build -DCMAKE_BUILD_TYPE=Release >/dev/null && cmake --build /build
 RUN --mount=type=bind,target=/src \
     /src/docker/runtime_root.sh /runtime overtone-robot client /build/robot
 

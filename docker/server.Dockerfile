@@ -4,7 +4,7 @@
 FROM debian:bookworm-slim AS build
 COPY docker/packages.txt docker/install_packages.sh /packages/
 ARG TESTS=OFF
-RUN /packages/install_packages.sh client server $([ "$TESTS" = OFF ] || echo test) && rm -rf /var/lib/apt/lists/* /var/cache/apt/*
+RUN /packages/install_packages.sh client server $([ "$TESTS" = OFF ] || echo test)
 # The sources are only looked at, so that no layer holds them or what the compiler makes of them.
 RUN --mount=type=bind,target=/src,rw --mount=type=cache,id=overtone-ccache,target=/root/.cache/ccache \
     cd /src && docker/build.sh release overtone_mapping_server overtone_cli overtone_health \
