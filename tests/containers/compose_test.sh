@@ -13,7 +13,7 @@ export OVERTONE_PORT=0 OVERTONE_PROMETHEUS_PORT=0 OVERTONE_DASHBOARD_PORT=0
 
 cleanup() {
   status=$?
-  [ $status = 0 ] || compose logs --tail 40 >&2 || true
+  [ $status = 0 ] || compose logs --no-color --tail 20 >&2 || true
   docker rm -f "$project-robot" >/dev/null 2>&1 || true
   compose down -v -t 2 >/dev/null 2>&1 || true
   rm -rf "$work"

@@ -5,7 +5,13 @@
 set -eu
 cache=$(ccache --get-config cache_dir 2>/dev/null) || exit 0
 [ -d "$cache" ] || exit 0
-printf '%s\n' 'FROM debian:bookworm-slim' \
-  'RUN --mount=type=bind,target=/host --mount=type=cache,id=overtone-ccache,target=/ccache cp -rn /host/cache/. /ccache/ && date >/warmed' |
-  tar -c --transform "s|^$(basename "$cache")|cache|;s|^stdin|Dockerfile|" -C "$(dirname "$cache")" "$(basename "$cache")" |
-  DOCKER_BUILDKIT=1 docker build -q - >/dev/null
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cat >"$work/Dockerfile" <<'DOCKERFILE'
+FROM debian:bookworm-slim
+RUN --mount=type=bind,target=/host --mount=type=cache,id=overtone-ccache,target=/ccache cp -rn /host/cache/. /ccache/ && date >/warmed
+DOCKERFILE
+name=$(basename "$cache")
+tar -c -C "$work" Dockerfile --transform "s|^$name|cache|" -C "$(dirname "$cache")" "$name" |
+  DOCKER_BUILDKIT=1 docker build -q --no-cache - >"$work/id"
+docker rmi "$(cat "$work/id")" >/dev/null
