@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """Prints what `podman kube play` needs to run the StatefulSet of a rendered overlay (standard input): its pod, its ConfigMaps, and for each
-secret that cert-manager would write one of the certificates in a folder of `overtone certs`.
+secret that cert-manager would write a ConfigMap with one of the certificates in a folder of `overtone certs` (podman before 4.4 leaves
+secrets in base64).
     pod_of_overlay.py FOLDER POD_NAME IMAGE"""
-import base64
 import os
 import sys
 
 import yaml
+
+CERTIFICATES = {"overtone-server-tls": "server", "overtone-probe-tls": "operator-probe"}
 
 folder, name, image = sys.argv[1:]
 objects = [o for o in yaml.safe_load_all(sys.stdin) if o]
@@ -14,27 +16,33 @@ stateful_set = next(o for o in objects if o["kind"] == "StatefulSet")
 template = stateful_set["spec"]["template"]
 
 
-def encoded(file):
-    with open(os.path.join(folder, file), "rb") as f:
-        return base64.b64encode(f.read()).decode()
+def text(file):
+    with open(os.path.join(folder, file)) as f:
+        return f.read()
 
 
-def secret(secret_name, certificate):
-    keys = {"ca.crt": "ca.crt", "tls.crt": f"{certificate}.crt", "tls.key": f"{certificate}.key"}
-    return {"apiVersion": "v1", "kind": "Secret", "metadata": {"name": secret_name},
-            "data": {key: encoded(file) for key, file in keys.items()}}
+def config_map(map_name, data):
+    return {"apiVersion": "v1", "kind": "ConfigMap", "metadata": {"name": map_name}, "data": data}
+
+
+def secret(secret_name):
+    certificate = CERTIFICATES[secret_name]
+    return config_map(secret_name, {"ca.crt": text("ca.crt"), "tls.crt": text(f"{certificate}.crt"), "tls.key": text(f"{certificate}.key")})
 
 
 spec = template["spec"]
-spec["containers"][0]["image"] = image
-spec["containers"][0]["imagePullPolicy"] = "Never"
-claims = []
+spec.pop("serviceAccountName")  # there is no API server here
+spec["containers"][0].update(image=image, imagePullPolicy="Never")
+for probe in ("startupProbe", "livenessProbe", "readinessProbe"):
+    spec["containers"][0].pop(probe)  # podman runs them by a shell; pod_test.sh runs their commands
+documents = [config_map(o["metadata"]["name"], o["data"]) for o in objects if o["kind"] == "ConfigMap"]
+for volume in spec["volumes"]:
+    if "secret" in volume:
+        documents.append(secret(volume["secret"]["secretName"]))
+        volume["configMap"] = {"name": volume.pop("secret")["secretName"]}
 for claim in stateful_set["spec"]["volumeClaimTemplates"]:
     claim_name = f"{claim['metadata']['name']}-{name}"
     spec["volumes"].append({"name": claim["metadata"]["name"], "persistentVolumeClaim": {"claimName": claim_name}})
-    claims.append({"apiVersion": "v1", "kind": "PersistentVolumeClaim", "metadata": {"name": claim_name}, "spec": claim["spec"]})
-spec.pop("serviceAccountName")  # there is no API server here
-pod = {"apiVersion": "v1", "kind": "Pod", "metadata": {"name": name, "labels": template["metadata"]["labels"]}, "spec": spec}
-config_maps = [{**o, "metadata": {"name": o["metadata"]["name"]}} for o in objects if o["kind"] == "ConfigMap"]
-secrets = [secret("overtone-server-tls", "server"), secret("overtone-probe-tls", "operator-probe")]
-yaml.safe_dump_all(secrets + config_maps + claims + [pod], sys.stdout)
+    documents.append({"apiVersion": "v1", "kind": "PersistentVolumeClaim", "metadata": {"name": claim_name}, "spec": claim["spec"]})
+documents.append({"apiVersion": "v1", "kind": "Pod", "metadata": {"name": name, "labels": template["metadata"]["labels"]}, "spec": spec})
+yaml.safe_dump_all(documents, sys.stdout)
