@@ -6,6 +6,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "grpcpp/generic/async_generic_service.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
@@ -19,13 +20,14 @@ namespace {
 using testing::TemporaryFolder;
 using testing::TestAuthority;
 
-// A server with nothing but gRPC's own health service.
+// A server with gRPC's own health service, and one that makes it poll.
 class HealthServer {
  public:
   explicit HealthServer(const std::shared_ptr<grpc::ServerCredentials>& credentials) {
     grpc::EnableDefaultHealthCheckService(true);
     grpc::ServerBuilder builder;
     builder.AddListeningPort("localhost:0", credentials, &port_);
+    builder.RegisterCallbackGenericService(&nothing_);
     server_ = builder.BuildAndStart();
   }
 
@@ -35,6 +37,7 @@ class HealthServer {
 
  private:
   int port_ = 0;
+  grpc::CallbackGenericService nothing_;
   std::unique_ptr<grpc::Server> server_;
 };
 
