@@ -14,6 +14,7 @@ namespace overtone {
 
 using OnboardPose = NodePose;  // one keyframe as the onboard estimator sees it now
 
+// How it stands with the server.
 enum class LinkState {
   kConnecting,  // no server yet, or reconnecting
   kLive,        // frames or heartbeats arrive
@@ -36,6 +37,7 @@ class HostEstimator {
   // next comparison.
   virtual absl::Status ApplyConstraints(const ConstraintBatch& batch) = 0;
 
+  // Whenever it changes.
   virtual void OnLinkState(LinkState /*state*/) {}
 
   // The server refused a submap for good (InvalidArgument, AlreadyExists, ...): the reason, once

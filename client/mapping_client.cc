@@ -21,6 +21,8 @@
 #include "overtone/client/internal/logger.h"
 #include "overtone/client/internal/loop_closure_uploader.h"
 #include "overtone/client/internal/outbox_directory.h"
+#include "overtone/client/internal/report_messages.h"
+#include "overtone/client/internal/status_reporter.h"
 #include "overtone/client/internal/submap_intake.h"
 #include "overtone/client/internal/submap_outbox.h"
 #include "overtone/client/internal/submap_sequence.h"
@@ -49,9 +51,18 @@ v1::WatchGraphRequest WatchRequest(const MappingClientOptions& options) {
   return request;
 }
 
+StatusReporter::Settings ReporterSettings(const MappingClientOptions& options) {
+  StatusReporter::Settings settings;
+  settings.map = options.map;
+  settings.mission = options.mission;
+  settings.interval = options.report_interval;
+  settings.max_upload_bytes_per_s = options.max_upload_bytes_per_s;
+  return settings;
+}
+
 // Threads: the host's own call in; `intake_` fills the outbox; `host_` calls the host; `submaps_`,
-// `loop_closures_` and `graphs_` each follow one stream. gRPC's callback threads only set flags for
-// these.
+// `loop_closures_` and `graphs_` each follow one stream; `reporter_` asks all of them. gRPC's
+// callback threads only set flags for these.
 class GrpcMappingClient final : public MappingClient {
  public:
   GrpcMappingClient(MappingClientOptions options, std::unique_ptr<SubmapOutbox> outbox,
@@ -61,8 +72,11 @@ class GrpcMappingClient final : public MappingClient {
         bucket_(options_.max_upload_bytes_per_s),
         stub_(v1::MappingService::NewStub(CreateChannel(options_))),
         outbox_(std::move(outbox)),
+        reporter_(
+            stub_.get(), ReporterSettings(options_), [this] { return ToProto(Stats()); },
+            &counters_, &bucket_, logger_),
         host_(options_.mission, options_.synchronization, options_.min_time_between_comparisons,
-              host, logger_),
+              host, logger_, OnComparison()),
         clock_(stub_.get(), options_.clock_offset_warning, &counters_, logger_),
         intake_(outbox_.get(), options_.clouds, options_.outbox_sync_interval, logger_,
                 [this] { OnStored(); }),
@@ -90,10 +104,14 @@ class GrpcMappingClient final : public MappingClient {
       sequence_.MoveTo(outbox_->Position());
     }
     intake_.Start();
+    if (options_.report_status) reporter_.Start();
   }
 
-  // The intake first, while all that it tells is still there.
-  ~GrpcMappingClient() override { intake_.Stop(); }
+  // First what tells of others, or asks them, while they are still there.
+  ~GrpcMappingClient() override {
+    reporter_.Stop();
+    intake_.Stop();
+  }
 
   SubmapPosition NextSubmap() const override {
     absl::MutexLock lock(&mutex_);
@@ -147,6 +165,7 @@ class GrpcMappingClient final : public MappingClient {
     stats.bytes_waiting = level.bytes;
     stats.bytes_sent = counters_.bytes_sent;
     stats.bytes_received = counters_.bytes_received;
+    stats.report_bytes_sent = counters_.report_bytes_sent;
     stats.reconnects = counters_.reconnects;
     stats.clouds_dropped = level.clouds_dropped;
     stats.persisted_through = level.saved_through;
@@ -163,6 +182,11 @@ class GrpcMappingClient final : public MappingClient {
   }
 
  private:
+  HostThread::ComparisonHandler OnComparison() {
+    if (!options_.report_status) return nullptr;
+    return [this](const SynchronizationReport& report) { reporter_.OnComparison(report); };
+  }
+
   Backoff NewBackoff() const { return Backoff(options_.initial_backoff, options_.max_backoff); }
 
   absl::Status TakeSubmap(const Submap& submap) {
@@ -300,6 +324,7 @@ class GrpcMappingClient final : public MappingClient {
   int64_t clouds_told_dropped_ ABSL_GUARDED_BY(mutex_) = 0;
   const std::unique_ptr<v1::MappingService::Stub> stub_;
   const std::unique_ptr<SubmapOutbox> outbox_;
+  StatusReporter reporter_;  // called by host_
   // Stopped from the last to the first: nothing calls host_ any more when it goes.
   HostThread host_;
   ClockProbe clock_;

@@ -20,6 +20,7 @@
 
 namespace overtone {
 
+// Counts of this client since it was created.
 struct MappingClientStats {
   LinkState link_state = LinkState::kConnecting;
   int64_t submaps_acknowledged = 0;
@@ -28,6 +29,7 @@ struct MappingClientStats {
   int64_t bytes_waiting = 0;
   int64_t bytes_sent = 0;  // serialised messages, without HTTP/2 framing
   int64_t bytes_received = 0;
+  int64_t report_bytes_sent = 0;  // of bytes_sent: MappingClientOptions::report_status
   int64_t reconnects = 0;
   int64_t clouds_dropped = 0;  // HostEstimator::OnCloudsDropped
   // Sequences: with all before it, what survives the end of the process, and a loss of power. -1:
@@ -57,10 +59,11 @@ struct SubmapPosition {
   int64_t first_index = 0;
 };
 
-// Thread-safe. Owns five threads (submaps into the outbox, submaps up, loop closures up, graphs
-// down, and the one that calls the host), while something of earlier missions is left three more,
-// beside gRPC's own. The destructor stops them within a second, or when the host returns from the
-// call it is in; what was handed over is then in outbox_dir, or lost if there is none.
+// Thread-safe. Owns six threads (submaps into the outbox, submaps up, loop closures up, graphs
+// down, status reports, and the one that calls the host), while something of earlier missions is
+// left three more, beside gRPC's own. The destructor stops them within a second, or when the host
+// returns from the call it is in; what was handed over is then in outbox_dir, or lost if there is
+// none.
 class MappingClient {
  public:
   // `host` must outlive the client. InvalidArgument naming the option. Does not wait for the
@@ -109,6 +112,7 @@ class MappingClient {
   // inside one of the host's callbacks. NotFound: the server has not mapped this mission yet.
   virtual absl::StatusOr<SynchronizationReport> Synchronize() = 0;
 
+  // As of now; never waits.
   virtual MappingClientStats Stats() const = 0;
 };
 

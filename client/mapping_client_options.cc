@@ -55,6 +55,7 @@ absl::Status MappingClientOptions::Validate() const {
   RETURN_IF_ERROR(CheckPositive(max_backoff, "max_backoff"));
   RETURN_IF_ERROR(CheckPositive(stale_after, "stale_after"));
   RETURN_IF_ERROR(CheckPositive(clock_offset_warning, "clock_offset_warning"));
+  RETURN_IF_ERROR(CheckPositive(report_interval, "report_interval"));
   if (initial_backoff > max_backoff) {
     return absl::InvalidArgumentError("initial_backoff: larger than max_backoff");
   }

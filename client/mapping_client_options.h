@@ -16,8 +16,10 @@
 
 namespace overtone {
 
+// How much a message of the library matters.
 enum class LogLevel { kInfo, kWarning, kError };
 
+// Who this robot is, which server it talks to, and what that may cost.
 struct MappingClientOptions {
   std::string server = "localhost:7077";  // host:port
   TlsFiles tls;                           // needed for a server on another host
@@ -60,11 +62,18 @@ struct MappingClientOptions {
   // mission itself does not depend on it: stamps are compared with those of the same robot only.
   absl::Duration clock_offset_warning = absl::Milliseconds(500);
 
+  // Tell the server after each comparison, and at least so often, how the link fares and what the
+  // comparison found: for operators to see, nothing depends on it. It takes up to 10 kB for a
+  // comparison, and never more than a twentieth of max_upload_bytes_per_s.
+  bool report_status = true;
+  absl::Duration report_interval = absl::Seconds(10);
+
   SynchronizationOptions synchronization;
 
   // Where the library's messages go; none by default. Called from the client's threads.
   std::function<void(LogLevel, absl::string_view)> log;
 
+  // InvalidArgument naming the member.
   absl::Status Validate() const;
 };
 

@@ -23,6 +23,7 @@ struct TlsFiles {
   // Plaintext, and to a server on another host: everybody on the way can read and change all.
   bool insecure = false;
 
+  // Any file is given.
   bool enabled() const {
     return !ca_file.empty() || !certificate_file.empty() || !key_file.empty();
   }

@@ -23,7 +23,7 @@ LABEL org.opencontainers.image.title="Overtone mapping server" \
       org.opencontainers.image.base.name="scratch"
 USER 65532:65532
 WORKDIR /var/lib/overtone
-EXPOSE 7077 9090
+EXPOSE 7077 9464
 STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=5s --timeout=3s --start-period=60s --retries=3 \
   CMD ["/usr/bin/overtone-health", "--service", "overtone.v1.MappingService", "--tls-ca", "/etc/overtone/certs/ca.crt", \

@@ -140,6 +140,10 @@ absl::StatusOr<v1::GetTrajectoryResponse> AdminClient::GetTrajectory(const std::
   return Call(&v1::MapAdminService::Stub::GetTrajectory, request);
 }
 
+absl::StatusOr<v1::GetConfigurationResponse> AdminClient::GetConfiguration() {
+  return Call(&v1::MapAdminService::Stub::GetConfiguration, v1::GetConfigurationRequest());
+}
+
 absl::Status AdminClient::ExportMap(const std::string& map, v1::ExportFormat format,
                                     std::ostream* out) {
   v1::ExportMapRequest request;

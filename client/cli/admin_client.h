@@ -41,6 +41,7 @@ class AdminClient {
   absl::StatusOr<v1::RollBackResponse> RollBack(const std::string& map, uint64_t revision);
   absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const std::string& map,
                                                           const MissionId& mission);
+  absl::StatusOr<v1::GetConfigurationResponse> GetConfiguration();
   absl::Status ExportMap(const std::string& map, v1::ExportFormat format, std::ostream* out);
   // `take` has the pieces in their order; its error ends the call and is returned. DataLoss: what
   // came is not what was announced.

@@ -20,11 +20,12 @@ CLI::App* AddAdminCommand(CLI::App* app, const std::string& name, const std::str
   AddTlsFlags(command, &flags->tls);
   if (set.map) command->add_option("--map", flags->map, "Map")->capture_default_str();
   if (set.json) command->add_flag("--json", flags->json, "One JSON object per line");
-  command->callback([name, run, flags, act = std::move(act)] {
-    *run = [name, flags, act] {
+  const std::string full_name = app->get_parent() == nullptr ? name : app->get_name() + " " + name;
+  command->callback([full_name, run, flags, act = std::move(act)] {
+    *run = [full_name, flags, act] {
       absl::Status status = CheckTlsFlags(flags->tls, flags->server);
       if (status.ok()) status = act();
-      return status.ok() ? 0 : Fail(name, status);
+      return status.ok() ? 0 : Fail(full_name, status);
     };
   });
   return command;

@@ -5,6 +5,7 @@
 #include "overtone/client/cli/admin_commands.h"
 #include "overtone/client/cli/certs_command.h"
 #include "overtone/client/cli/closure_commands.h"
+#include "overtone/client/cli/config_command.h"
 #include "overtone/client/cli/evaluate_command.h"
 #include "overtone/client/cli/maintenance_commands.h"
 #include "overtone/client/cli/replay_command.h"
@@ -26,6 +27,7 @@ int main(int argc, char** argv) {
   overtone::AddClosureCommands(&app, &run);
   overtone::AddCertsCommand(&app, &run);
   overtone::AddMaintenanceCommands(&app, &run);
+  overtone::AddConfigCommand(&app, &run);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -10,11 +10,12 @@ namespace overtone {
 
 HostThread::HostThread(MissionId mission, SynchronizationOptions options,
                        absl::Duration min_time_between_comparisons, HostEstimator* host,
-                       Logger logger)
+                       Logger logger, ComparisonHandler on_comparison)
     : mission_(mission),
       min_time_between_comparisons_(min_time_between_comparisons),
       host_(host),
       logger_(std::move(logger)),
+      on_comparison_(std::move(on_comparison)),
       synchronizer_(std::move(mission), std::move(options), host) {
   thread_ = std::thread([this] { Run(); });
 }
@@ -178,10 +179,12 @@ absl::StatusOr<SynchronizationReport> HostThread::Compare() {
   absl::StatusOr<SynchronizationReport> report =
       GuardExceptions("comparison", [&] { return synchronizer_.Synchronize(*graph); });
   last_comparison_ = Clock::now();
-  if (report.ok()) {
+  if (!report.ok()) return report;
+  {
     absl::MutexLock lock(&mutex_);
     ++comparisons_;
   }
+  if (on_comparison_ != nullptr) on_comparison_(*report);
   return report;
 }
 

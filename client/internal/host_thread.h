@@ -29,9 +29,13 @@ namespace overtone {
 // waits.
 class HostThread {
  public:
+  // Called on the thread after each comparison.
+  using ComparisonHandler = std::function<void(const SynchronizationReport&)>;
+
   // `host` must outlive this.
   HostThread(MissionId mission, SynchronizationOptions options,
-             absl::Duration min_time_between_comparisons, HostEstimator* host, Logger logger);
+             absl::Duration min_time_between_comparisons, HostEstimator* host, Logger logger,
+             ComparisonHandler on_comparison = nullptr);
   ~HostThread();  // waits for the host's call under way, if any
 
   // Queued for the thread; return at once.
@@ -67,6 +71,7 @@ class HostThread {
   const absl::Duration min_time_between_comparisons_;
   HostEstimator* const host_;
   const Logger logger_;
+  const ComparisonHandler on_comparison_;
   GraphSynchronizer synchronizer_;                    // the thread's own
   std::optional<Clock::time_point> last_comparison_;  // the thread's own
 

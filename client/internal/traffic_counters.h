@@ -12,6 +12,7 @@ namespace overtone {
 struct TrafficCounters {
   std::atomic<int64_t> bytes_sent{0};  // serialised messages, without HTTP/2 framing
   std::atomic<int64_t> bytes_received{0};
+  std::atomic<int64_t> report_bytes_sent{0};  // of bytes_sent: status reports
   std::atomic<int64_t> reconnects{0};
 };
 

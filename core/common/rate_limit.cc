@@ -22,11 +22,12 @@ absl::Duration RateLimit::TryTake(double tokens, absl::Time now) {
   return wait;
 }
 
-absl::Duration RateLimit::Charge(double tokens, absl::Time now) {
+absl::Duration RateLimit::Charge(double tokens, absl::Time now, absl::Duration shortest) {
   if (per_s_ == 0) return absl::ZeroDuration();
   Refill(now);
   tokens_ -= tokens;
-  return tokens_ < 0 ? Until(-tokens_) : absl::ZeroDuration();
+  if (tokens_ >= 0) return absl::ZeroDuration();
+  return std::max(Until(-tokens_), std::min(shortest, Until(burst_)));
 }
 
 bool RateLimit::IsFull(absl::Time now) {

@@ -18,8 +18,10 @@ class RateLimit {
   absl::Duration TryTake(double tokens, absl::Time now);
 
   // For what has happened already: may leave a debt. The result is how long to let nothing more
-  // happen, until the debt is paid.
-  absl::Duration Charge(double tokens, absl::Time now);
+  // happen: until the debt is paid, and not less than `shortest` or the time that fills the burst.
+  // The rate stays the same, since tokens come in meanwhile.
+  absl::Duration Charge(double tokens, absl::Time now,
+                        absl::Duration shortest = absl::ZeroDuration());
 
   bool IsFull(absl::Time now);
 

@@ -88,6 +88,16 @@ void TakeDetail(const google::protobuf::Any& detail, absl::Status& status) {
   }
 }
 
+// As FromGrpcStatus appends it; empty: the details do not name the request.
+std::string RequestSuffix(const google::rpc::Status& details) {
+  google::rpc::RequestInfo info;
+  for (const google::protobuf::Any& detail : details.details()) {
+    if (!detail.Is<google::rpc::RequestInfo>() || !detail.UnpackTo(&info)) continue;
+    if (IsRequestId(info.request_id())) return absl::StrCat(" (request ", info.request_id(), ")");
+  }
+  return "";
+}
+
 bool HelpsToRetry(absl::StatusCode code) {
   return code == absl::StatusCode::kUnavailable || code == absl::StatusCode::kAborted ||
          code == absl::StatusCode::kResourceExhausted;
@@ -130,13 +140,32 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
                       details.SerializeAsString());
 }
 
+bool IsRequestId(absl::string_view id) {
+  const auto fits = [](char c) { return absl::ascii_isalnum(c) || c == '_' || c == '-'; };
+  return !id.empty() && id.size() <= 64 && std::all_of(id.begin(), id.end(), fits);
+}
+
+grpc::Status WithRequestId(const grpc::Status& status, absl::string_view id) {
+  google::rpc::Status details;
+  if (status.ok() || !IsRequestId(id)) return status;
+  // Those of other services may have none, or none of this kind.
+  if (!details.ParseFromString(status.error_details())) details.Clear();
+  details.set_code(status.error_code());
+  details.set_message(status.error_message());
+  google::rpc::RequestInfo info;
+  info.set_request_id(std::string(id));
+  details.add_details()->PackFrom(info);
+  return grpc::Status(status.error_code(), status.error_message(), details.SerializeAsString());
+}
+
 absl::Status FromGrpcStatus(const grpc::Status& status) {
   const int code = status.error_code();
   const bool known = code >= 0 && code <= static_cast<int>(absl::StatusCode::kUnauthenticated);
-  absl::Status result(known ? static_cast<absl::StatusCode>(code) : absl::StatusCode::kUnknown,
-                      status.error_message());
   google::rpc::Status details;
-  if (result.ok() || !details.ParseFromString(status.error_details())) return result;
+  const bool detailed = !status.ok() && details.ParseFromString(status.error_details());
+  absl::Status result(known ? static_cast<absl::StatusCode>(code) : absl::StatusCode::kUnknown,
+                      absl::StrCat(status.error_message(), RequestSuffix(details)));
+  if (!detailed) return result;
   for (const google::protobuf::Any& detail : details.details()) TakeDetail(detail, result);
   return result;
 }

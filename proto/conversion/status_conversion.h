@@ -23,8 +23,14 @@ namespace overtone {
 //                 (WithRetryDelay), or one second
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
+// What a request id may look like: 1 to 64 of A-Z a-z 0-9 _ -.
+bool IsRequestId(absl::string_view id);
+// The error with a RequestInfo among its details. Ok stays as it is.
+grpc::Status WithRequestId(const grpc::Status& status, absl::string_view id);
+
 // A code that is none of the 17 becomes UNKNOWN. The status has its own delay if the details give
 // one that is not the second said for want of knowledge.
+// Its message ends with " (request ID)" if they name the request: the server's log has the same.
 absl::Status FromGrpcStatus(const grpc::Status& status);
 
 // RESOURCE_EXHAUSTED "subject: what", for details of their own. A subject, e.g. "robot/anna/calls",

@@ -2,6 +2,7 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -208,19 +209,33 @@ absl::StatusOr<v1::ExplainLoopClosuresResponse> ExplainLoopClosures(
   return response;
 }
 
+namespace {
+
+void AddStages(const CycleTimes& times, v1::Revision& revision) {
+  const std::array<double, 5> seconds = Seconds(times);
+  for (size_t i = 0; i < seconds.size(); ++i) {
+    v1::StageTime& stage = *revision.add_stages();
+    stage.set_stage(kStageNames[i]);
+    stage.set_seconds(seconds[i]);
+  }
+}
+
+}  // namespace
+
 absl::StatusOr<v1::ListRevisionsResponse> ListRevisions(const MapRegistry& registry,
                                                         const v1::ListRevisionsRequest& request) {
   ASSIGN_OR_RETURN(const std::shared_ptr<HostedMap> map, registry.Find(request.map()));
-  const std::vector<RevisionRecord> revisions = map->revisions();
+  const std::vector<HostedMap::KeptRevision> revisions = map->revisions();
   std::vector<std::string> keys;
-  for (const RevisionRecord& revision : revisions) {
+  for (const HostedMap::KeptRevision& revision : revisions) {
     // Newest first, and the keys increase.
-    keys.push_back(absl::StrFormat("%020u", ~revision.revision));
+    keys.push_back(absl::StrFormat("%020u", ~revision.record.revision));
   }
   ASSIGN_OR_RETURN(Page page, SelectPage(keys, request.page_size(), request.page_token()));
   v1::ListRevisionsResponse response;
   for (size_t i = page.begin; i < page.end; ++i) {
-    v1::Revision& revision = *response.add_revisions() = ToProto(revisions[i]);
+    v1::Revision& revision = *response.add_revisions() = ToProto(revisions[i].record);
+    if (revisions[i].times.has_value()) AddStages(*revisions[i].times, revision);
     Shorten(revision.mutable_accepted());
     Shorten(revision.mutable_dropped());
   }

@@ -120,9 +120,9 @@ bool GraphPublisher::ServeReader(Reader& reader, absl::Time now) {
       return false;
     }
     position = newest;
-    reader.reader->Send(*frame);
+    reader.reader->Send(*frame, newest.revision);
   } else if (now >= reader.last_sent + heartbeat_) {
-    reader.reader->Send(frames_.Heartbeat());
+    reader.reader->Send(frames_.Heartbeat(), position.revision);
   } else {
     next_heartbeat_ = std::min(next_heartbeat_, reader.last_sent + heartbeat_);
     return true;

@@ -23,9 +23,9 @@ namespace overtone {
 class GraphReader {
  public:
   virtual ~GraphReader() = default;
-  // A serialised WatchGraphResponse. The reader calls Ready() when it is written; until then no
-  // other comes.
-  virtual void Send(const grpc::ByteBuffer& frame) = 0;
+  // A serialised WatchGraphResponse, with which the reader has `revision`. It calls Ready() when it
+  // is written; until then no other comes.
+  virtual void Send(const grpc::ByteBuffer& frame, uint64_t revision) = 0;
   // The last call.
   virtual void End(const absl::Status& status) = 0;
 };

@@ -2,6 +2,7 @@
 #include "overtone/services/mapping_server/hosted_map.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 #include <variant>
 
@@ -40,7 +41,10 @@ absl::StatusOr<std::unique_ptr<HostedMap>> HostedMap::Open(std::string id, std::
 }
 
 absl::Status HostedMap::Start(Epoch epoch) {
-  ASSIGN_OR_RETURN(store_, SqliteSubmapStore::Open(path_, options_.limits, StoreSink()));
+  StoreOptions store_options;
+  store_options.instruments = &instruments_.store;
+  ASSIGN_OR_RETURN(store_,
+                   SqliteSubmapStore::Open(path_, options_.limits, StoreSink(), store_options));
   MappingPipeline::Sink sink;
   sink.publish = [this](std::shared_ptr<const MapSnapshot> snapshot,
                         const RevisionHistory& history) {
@@ -49,6 +53,8 @@ absl::Status HostedMap::Start(Epoch epoch) {
   sink.store = [this](std::string bytes, Done done) {
     store_->PutSnapshot(std::move(bytes), std::move(done));
   };
+  sink.timed = [this](uint64_t revision, const CycleTimes& times) { OnTimed(revision, times); };
+  sink.map = id_;
   pipeline_ = std::make_unique<MappingPipeline>(options_.map, std::move(sink));
   detector_ = std::make_unique<LoopDetector>(
       options_.loop_closures, [this](const std::string& sha256) { return store_->GetBlob(sha256); },
@@ -152,7 +158,7 @@ HostedMap::Published HostedMap::published() const {
   return published_;
 }
 
-std::vector<RevisionRecord> HostedMap::revisions() const {
+std::vector<HostedMap::KeptRevision> HostedMap::revisions() const {
   absl::MutexLock lock(&mutex_);
   return {revisions_.begin(), revisions_.end()};
 }
@@ -207,14 +213,24 @@ void HostedMap::OnSnapshot(std::shared_ptr<const MapSnapshot> snapshot,
   {
     absl::MutexLock lock(&mutex_);
     if (revisions_.empty()) {  // the first, or those from before a restart
-      revisions_.assign(history.records().rbegin(), history.records().rend());
+      const auto& records = history.records();
+      for (auto it = records.rbegin(); it != records.rend(); ++it) revisions_.push_back({*it, {}});
     } else {
-      revisions_.push_front(history.records().back());
+      revisions_.push_front({history.records().back(), {}});
     }
     if (revisions_.size() > kKeptRevisions) revisions_.pop_back();
-    published_ = {snapshot, revisions_.front().made};
+    published_ = {snapshot, revisions_.front().record.made};
   }
   publisher_->Publish(std::move(snapshot));
+}
+
+void HostedMap::OnTimed(uint64_t revision, const CycleTimes& times) {
+  const std::array<double, 5> seconds = Seconds(times);
+  for (size_t i = 0; i < seconds.size(); ++i) instruments_.stage_s[i].Observe(seconds[i]);
+  absl::MutexLock lock(&mutex_);
+  if (!revisions_.empty() && revisions_.front().record.revision == revision) {
+    revisions_.front().times = times;
+  }
 }
 
 }  // namespace overtone

@@ -3,6 +3,7 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_HOSTED_MAP_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_HOSTED_MAP_H_
 
+#include <cstdint>
 #include <deque>
 #include <functional>
 #include <memory>
@@ -14,13 +15,17 @@
 #include "absl/status/statusor.h"
 #include "absl/synchronization/mutex.h"
 #include "absl/time/time.h"
+#include "absl/types/optional.h"
 #include "overtone/core/mapping/map_snapshot.h"
 #include "overtone/core/mapping/revision_history.h"
 #include "overtone/services/mapping_server/graph_publisher.h"
 #include "overtone/services/mapping_server/loop_detector.h"
 #include "overtone/services/mapping_server/map_log.h"
 #include "overtone/services/mapping_server/mapping_pipeline.h"
+#include "overtone/services/mapping_server/metrics/map_instruments.h"
+#include "overtone/services/mapping_server/robot_traffic.h"
 #include "overtone/services/mapping_server/server_options.h"
+#include "overtone/services/mapping_server/status_reports.h"
 #include "overtone/services/mapping_server/submap_store.h"
 
 namespace overtone {
@@ -44,6 +49,11 @@ class HostedMap {
   SubmapStore& store() { return *store_; }
   const SubmapStore& store() const { return *store_; }
   GraphPublisher& publisher() { return *publisher_; }
+  // Both begin anew when the map is opened.
+  StatusReports& reports() { return reports_; }
+  RobotTraffic& traffic() { return traffic_; }
+
+  const MapInstruments& instruments() const { return instruments_; }
 
   struct Published {
     std::shared_ptr<const MapSnapshot> snapshot;  // never null; empty, revision 0, before the first
@@ -51,8 +61,12 @@ class HostedMap {
   };
   Published published() const;
 
+  struct KeptRevision {
+    RevisionRecord record;
+    absl::optional<CycleTimes> times;  // of this process' own revisions
+  };
   // Newest first.
-  std::vector<RevisionRecord> revisions() const;
+  std::vector<KeptRevision> revisions() const;
 
   // Operators' decisions; `done` is called when they are taken and durable, on any thread. As
   // MultiRobotMap's. ResourceExhausted: taken, but lost with the next restart.
@@ -75,10 +89,23 @@ class HostedMap {
     const int64_t found = store_->Backlog();
     return to_store + to_find + found + pipeline_->backlog();
   }
+  // Its parts: what waits for the disk, for the search for closures, for the optimiser.
+  struct QueueDepths {
+    int64_t store = 0;
+    int64_t detector = 0;
+    int64_t pipeline = 0;
+  };
+  QueueDepths queue_depths() const {
+    return {store_->Backlog(), detector_->backlog(), pipeline_->backlog()};
+  }
 
  private:
   HostedMap(std::string id, std::string path, const ServerOptions& options)
-      : id_(std::move(id)), path_(std::move(path)), options_(options) {}
+      : id_(std::move(id)),
+        path_(std::move(path)),
+        options_(options),
+        // As many as robots can have missions here.
+        traffic_(static_cast<size_t>(options.limits.max_missions_per_map)) {}
 
   absl::Status Start(Epoch epoch);
   absl::Status Replay(Epoch epoch);
@@ -88,17 +115,21 @@ class HostedMap {
   void NoteForDetector(const Finding& finding);
   void StoreFinding(const Finding& finding);
   void OnSnapshot(std::shared_ptr<const MapSnapshot> snapshot, const RevisionHistory& history);
+  void OnTimed(uint64_t revision, const CycleTimes& times);
   // Takes the decision, and makes what then stands durable.
   void Decide(MappingPipeline::Decision decision, Done done);
 
   const std::string id_;
   const std::string path_;
   const ServerOptions options_;
+  StatusReports reports_;
+  RobotTraffic traffic_;
+  MapInstruments instruments_;
   mutable absl::Mutex mutex_;
   Published published_ ABSL_GUARDED_BY(mutex_);
-  std::deque<RevisionRecord> revisions_ ABSL_GUARDED_BY(mutex_);  // newest first
-  bool replaying_ = false;                                        // in Start only
-  MapDecisions replayed_;                                         // likewise
+  std::deque<KeptRevision> revisions_ ABSL_GUARDED_BY(mutex_);  // newest first
+  bool replaying_ = false;                                      // in Start only
+  MapDecisions replayed_;                                       // likewise
   // From what comes to what goes out:
   //   robots -> store -> detector -> store -> pipeline -> publisher
   // The log is written first: what is in the map is on disk. The store is closed after the pipeline

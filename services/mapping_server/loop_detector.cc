@@ -59,7 +59,7 @@ LoopDetector::LoopDetector(const LoopDetectorOptions& options, CloudLibrary::Blo
       describer_(options.enabled ? 1 : 0) {}
 
 void LoopDetector::AddSubmap(const MissionId& mission, const Submap& submap) {
-  if (options_.enabled) library_.AddSubmap(mission, submap);
+  library_.AddSubmap(mission, submap);
   if (submap.candidates.empty()) return;
   {
     absl::MutexLock lock(&mutex_);
@@ -69,8 +69,8 @@ void LoopDetector::AddSubmap(const MissionId& mission, const Submap& submap) {
 }
 
 void LoopDetector::AddCloud(const NodeId& node, const std::string& sha256) {
-  if (!options_.enabled) return;
   library_.AddCloud(node, sha256);
+  if (!options_.enabled) return;
   PostDescribe(node);
   SortWaiting();
 }
@@ -232,7 +232,9 @@ void LoopDetector::SortWaiting() {
     if (replaying_) return;
     std::vector<ScoredCandidate> waiting;
     for (const ScoredCandidate& pair : waiting_) {
-      if (library_.HasCloud(pair.from) && library_.HasCloud(pair.to)) {
+      if (!options_.enabled) {
+        without_clouds.push_back(pair);
+      } else if (library_.HasCloud(pair.from) && library_.HasCloud(pair.to)) {
         pool_.Post([this, candidate = CandidateOf(pair)] { VerifyPair(candidate); });
       } else if (library_.ExpectsCloud(pair.from) && library_.ExpectsCloud(pair.to)) {
         waiting.push_back(pair);

@@ -27,7 +27,7 @@
 namespace overtone {
 
 struct LoopDetectorOptions {
-  // False: clouds are stored and not looked at.
+  // False: clouds are stored, and nobody looks for loops in them.
   bool enabled = true;
   // Side by side; each registration takes one.
   int num_threads = 2;
@@ -89,6 +89,9 @@ class LoopDetector {
     const int64_t to_describe = describer_.backlog();  // first: what it leaves is in the pool then
     return to_describe + pool_.backlog();
   }
+
+  // Of all keyframes that have them, also where nobody looks for loops.
+  const CloudLibrary& clouds() const { return library_; }
 
   // The place that looks most like this one. Absent: no cloud here, or none elsewhere.
   std::optional<LoopCandidate> MostSimilar(const NodeId& node) const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The binary: flags over file over defaults, and the signals that end it.
+// The binary: flags over environment over file over defaults, and the signals that end it.
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -12,8 +12,11 @@
 #include "CLI/CLI.hpp"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/services/mapping_server/config_command.h"
+#include "overtone/services/mapping_server/configuration.h"
+#include "overtone/services/mapping_server/log_format.h"
 #include "overtone/services/mapping_server/mapping_server.h"
-#include "overtone/services/mapping_server/options_file.h"
+#include "overtone/services/mapping_server/options_environment.h"
 #include "spdlog/sinks/stdout_color_sinks.h"
 #include "spdlog/spdlog.h"
 
@@ -41,55 +44,48 @@ class TerminationSignals {
   sigset_t signals_;
 };
 
-struct Flags {
-  std::string config;
-  std::string listen;
-  std::string data_dir;
-  std::string log_level;
-  bool insecure = false;
-};
-
-void Declare(CLI::App& app, Flags& flags) {
+// The options that matter most, by key.
+void Declare(CLI::App& app, ConfigurationInput& input) {
   app.set_version_flag("--version", OVERTONE_VERSION);
-  app.add_option("--config", flags.config, "YAML file; configs/default.yaml lists the keys");
-  app.add_option("--listen", flags.listen, "host:port; port 0 takes a free one");
-  app.add_option("--data-dir", flags.data_dir,
-                 "where maps are kept over restarts; :memory: keeps them as long as the process");
-  app.add_flag("--insecure", flags.insecure,
-               "Serve without certificates where other hosts can reach us; they may do everything");
-  app.add_option("--log-level", flags.log_level,
-                 "trace, debug, info, warning, error, critical or off");
+  app.add_option("--config", input.file, "YAML file; `config default` prints one")
+      ->envname("OVERTONE_CONFIG");
+  const auto flag = [&](const char* name, const char* key, const char* what) {
+    app.add_option_function<std::string>(
+        name, [&input, key](const std::string& value) { input.flags[key] = value; }, what);
+  };
+  flag("--listen", "listen", "host:port; port 0 takes a free one");
+  flag("--data-dir", "data_dir",
+       "Where maps are kept over restarts; :memory: keeps them as long as the process");
+  flag("--log-level", "log_level", "trace, debug, info, warning, error, critical or off");
+  flag("--log-format", "log_format", "text, or json: one object a line");
+  app.add_flag_callback(
+      "--insecure", [&input] { input.flags["insecure"] = "true"; },
+      "Serve without certificates where other hosts can reach us; they may do everything");
 }
 
-absl::StatusOr<ServerOptions> ReadOptions(const Flags& flags) {
-  ServerOptions options;
-  if (!flags.config.empty()) RETURN_IF_ERROR(ReadOptionsFile(flags.config, options));
-  if (!flags.listen.empty()) options.listen = flags.listen;
-  if (!flags.data_dir.empty()) options.data_dir = flags.data_dir;
-  if (flags.insecure) options.security.insecure = true;
-  if (!flags.log_level.empty()) options.log_level = flags.log_level;
-  RETURN_IF_ERROR(options.Validate());
-  return options;
-}
-
-// What differs from the defaults, whoever said it.
-void LogOptions(const ServerOptions& options) {
+// What differs from the defaults, and who said it.
+void LogConfiguration(const Configuration& configuration) {
+  const std::map<std::string, std::string> values = OptionValues(configuration.options);
   const std::map<std::string, std::string> defaults = OptionValues(ServerOptions());
-  for (const auto& [key, value] : OptionValues(options)) {
-    if (value != defaults.at(key)) {
-      spdlog::info("{} is {} instead of {}", key, value, defaults.at(key));
-    }
+  for (const auto& [key, source] : configuration.sources) {
+    if (values.at(key) == defaults.at(key)) continue;
+    spdlog::info("{} is {} instead of {} ({})", key, values.at(key), defaults.at(key),
+                 source.place);
   }
 }
 
-absl::Status Serve(const Flags& flags) {
-  ASSIGN_OR_RETURN(const ServerOptions options, ReadOptions(flags));
+absl::Status Serve(ConfigurationInput input) {
+  input.environment = Environment();
+  ASSIGN_OR_RETURN(const Configuration configuration, ReadConfiguration(input));
+  const ServerOptions& options = configuration.options;
   spdlog::set_default_logger(spdlog::stderr_color_mt("mapping_server"));
+  spdlog::set_formatter(LogLines(options.log_format));
   spdlog::set_level(spdlog::level::from_str(options.log_level));
-  LogOptions(options);
+  LogConfiguration(configuration);
 
   const TerminationSignals signals;
-  ASSIGN_OR_RETURN(const std::unique_ptr<MappingServer> server, MappingServer::Start(options));
+  ASSIGN_OR_RETURN(const std::unique_ptr<MappingServer> server,
+                   MappingServer::Start(options, configuration.sources));
   // Who started us reads the port from this line.
   std::cout << "listening on " << server->address() << std::endl;
   signals.Wait([&server] { server->ReloadSecurity(); });
@@ -97,18 +93,26 @@ absl::Status Serve(const Flags& flags) {
   return absl::OkStatus();
 }
 
+// 2: what we were given is wrong.
+int ExitCode(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) || absl::IsNotFound(status) ? 2 : EXIT_FAILURE;
+}
+
 }  // namespace
 }  // namespace overtone
 
 int main(int argc, char** argv) {
   try {
-    CLI::App app("Overtone's mapping server");
-    overtone::Flags flags;
-    overtone::Declare(app, flags);
+    CLI::App app("Overtone's mapping server", "overtone-mapping-server");
+    overtone::ConfigurationInput input;
+    overtone::Declare(app, input);
+    std::function<absl::Status()> run = [&input] { return overtone::Serve(input); };
+    overtone::AddConfigCommand(app, run);
     CLI11_PARSE(app, argc, argv);
-    const absl::Status status = overtone::Serve(flags);
+    const absl::Status status = run();
     if (status.ok()) return EXIT_SUCCESS;
     std::cerr << "overtone-mapping-server: " << status.message() << std::endl;
+    return overtone::ExitCode(status);
   } catch (const std::exception& error) {
     std::cerr << "overtone-mapping-server: " << error.what() << std::endl;
   }

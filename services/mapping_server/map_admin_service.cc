@@ -4,25 +4,28 @@
 #include <utility>
 
 #include "overtone/services/mapping_server/closure_listing.h"
-#include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
 #include "overtone/services/mapping_server/rpc/backup_map.h"
 #include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
 #include "overtone/services/mapping_server/rpc/housekeeping.h"
+#include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/restore_map.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 
 namespace overtone {
 
-MapAdminService::MapAdminService(int64_t max_message_bytes, const AccessControl* access,
-                                 const MapRegistry* registry, const UploadSessions* sessions,
-                                 MapMaintenance* maintenance)
+MapAdminService::MapAdminService(int64_t max_message_bytes,
+                                 v1::GetConfigurationResponse configuration,
+                                 const AccessControl* access, const MapRegistry* registry,
+                                 const UploadSessions* sessions, MapMaintenance* maintenance)
     : max_message_bytes_(max_message_bytes),
+      configuration_(std::move(configuration)),
       access_(access),
       registry_(registry),
       sessions_(sessions),
-      maintenance_(maintenance) {}
+      maintenance_(maintenance),
+      exporter_(registry) {}
 
 template <typename Request, typename Call>
 grpc::ServerUnaryReactor* MapAdminService::Administer(grpc::CallbackServerContext* context,
@@ -109,10 +112,26 @@ grpc::ServerUnaryReactor* MapAdminService::GetTrajectory(grpc::CallbackServerCon
   });
 }
 
+grpc::ServerUnaryReactor* MapAdminService::GetStatusReport(
+    grpc::CallbackServerContext* context, const v1::GetStatusReportRequest* request,
+    v1::GetStatusReportResponse* response) {
+  return Administer(context, *request, [&] {
+    return Answer(context, overtone::GetStatusReport(*registry_, *request), response);
+  });
+}
+
+grpc::ServerUnaryReactor* MapAdminService::GetConfiguration(
+    grpc::CallbackServerContext* context, const v1::GetConfigurationRequest*,
+    v1::GetConfigurationResponse* response) {
+  return Guarded(context, access_->MustBeOperator(*context), [&] {
+    return Answer<v1::GetConfigurationResponse>(context, configuration_, response);
+  });
+}
+
 grpc::ServerWriteReactor<v1::ExportMapResponse>* MapAdminService::ExportMap(
     grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) {
-  const absl::Status may = access_->MayAdminister(*context, request->map());
-  return new overtone::ExportMap(may.ok() ? MapFile(*registry_, *request) : may);
+  return new overtone::ExportMap(access_->MayAdminister(*context, request->map()), *registry_,
+                                 &exporter_, *request);
 }
 
 grpc::ServerWriteReactor<v1::BackupMapResponse>* MapAdminService::BackupMap(

@@ -3,6 +3,7 @@
 #define OVERTONE_SERVICES_MAPPING_SERVER_MAP_ADMIN_SERVICE_H_
 
 #include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/cloud_exporter.h"
 #include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/security/access_control.h"
@@ -15,9 +16,9 @@ namespace overtone {
 // map first. All that it is given outlives the service.
 class MapAdminService final : public v1::MapAdminService::CallbackService {
  public:
-  MapAdminService(int64_t max_message_bytes, const AccessControl* access,
-                  const MapRegistry* registry, const UploadSessions* sessions,
-                  MapMaintenance* maintenance);
+  MapAdminService(int64_t max_message_bytes, v1::GetConfigurationResponse configuration,
+                  const AccessControl* access, const MapRegistry* registry,
+                  const UploadSessions* sessions, MapMaintenance* maintenance);
 
   grpc::ServerUnaryReactor* ListMaps(grpc::CallbackServerContext* context,
                                      const v1::ListMapsRequest* request,
@@ -49,6 +50,12 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
   grpc::ServerUnaryReactor* GetTrajectory(grpc::CallbackServerContext* context,
                                           const v1::GetTrajectoryRequest* request,
                                           v1::GetTrajectoryResponse* response) override;
+  grpc::ServerUnaryReactor* GetStatusReport(grpc::CallbackServerContext* context,
+                                            const v1::GetStatusReportRequest* request,
+                                            v1::GetStatusReportResponse* response) override;
+  grpc::ServerUnaryReactor* GetConfiguration(grpc::CallbackServerContext* context,
+                                             const v1::GetConfigurationRequest* request,
+                                             v1::GetConfigurationResponse* response) override;
   grpc::ServerWriteReactor<v1::ExportMapResponse>* ExportMap(
       grpc::CallbackServerContext* context, const v1::ExportMapRequest* request) override;
   grpc::ServerWriteReactor<v1::BackupMapResponse>* BackupMap(
@@ -72,10 +79,12 @@ class MapAdminService final : public v1::MapAdminService::CallbackService {
                                        Call call) const;
 
   const int64_t max_message_bytes_;
+  const v1::GetConfigurationResponse configuration_;
   const AccessControl* const access_;
   const MapRegistry* const registry_;
   const UploadSessions* const sessions_;
   MapMaintenance* const maintenance_;
+  CloudExporter exporter_;
 };
 
 }  // namespace overtone

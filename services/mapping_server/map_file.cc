@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <sstream>
 
 #include "Eigen/LU"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
-#include "overtone/core/geometry/trajectory_io.h"
 #include "overtone/core/graph/g2o_io.h"
 #include "overtone/proto/conversion/field_path.h"
+#include "overtone/proto/conversion/id_conversion.h"
 
 namespace overtone {
 namespace {
@@ -37,36 +38,55 @@ PoseGraphEdge ClosureEdge(const LoopCandidate& closure,
   return edge;
 }
 
+absl::StatusOr<SnapshotMissions> MissionsOf(const MapSnapshot& snapshot,
+                                            const v1::ExportMapRequest& request) {
+  SnapshotMissions missions;
+  if (!request.has_mission()) {
+    for (const SnapshotMission& mission : snapshot.missions) missions.push_back(&mission);
+    return missions;
+  }
+  ASSIGN_OR_RETURN(const MissionId id, AtField("mission", FromProto(request.mission())));
+  for (const SnapshotMission& mission : snapshot.missions) {
+    if (mission.id == id) return SnapshotMissions{&mission};
+  }
+  return absl::NotFoundError(
+      absl::StrCat("mission: no ", ToString(id), " in revision ", snapshot.revision));
+}
+
 }  // namespace
 
-std::string TumFile(const MapSnapshot& snapshot) {
+std::string TrajectoryFile(const SnapshotMissions& missions, TrajectoryFormat format) {
   std::ostringstream out;
-  for (const SnapshotMission& mission : snapshot.missions) {
-    out << "# " << ToString(mission.id) << ", component " << mission.component << ", "
-        << (mission.anchored ? "anchored" : "unanchored") << "\n";
+  for (const SnapshotMission* mission : missions) {
+    out << "# " << ToString(mission->id) << ", component " << mission->component << ", "
+        << (mission->anchored ? "anchored" : "unanchored") << "\n";
     Trajectory trajectory;
-    for (size_t i = 0; i < mission.map_from_body.size(); ++i) {
-      trajectory.push_back({mission.keyframes[i].stamp, mission.map_from_body[i]});
+    for (size_t i = 0; i < mission->map_from_body.size(); ++i) {
+      trajectory.push_back({mission->keyframes[i].stamp, mission->map_from_body[i]});
     }
-    WriteTrajectory(out, TrajectoryFormat::kTum, trajectory);
+    WriteTrajectory(out, format, trajectory);
   }
   return out.str();
 }
 
-std::string G2oFileOf(const MapSnapshot& snapshot) {
+std::string G2oFileOf(const MapSnapshot& snapshot, const SnapshotMissions& missions) {
   PoseGraph graph;
   std::map<MissionId, int64_t> first_vertex;
-  for (const SnapshotMission& mission : snapshot.missions) {
-    first_vertex[mission.id] = static_cast<int64_t>(graph.poses.size());
-    for (size_t i = 0; i < mission.map_from_body.size(); ++i) {
+  for (const SnapshotMission* mission : missions) {
+    first_vertex[mission->id] = static_cast<int64_t>(graph.poses.size());
+    for (size_t i = 0; i < mission->map_from_body.size(); ++i) {
       const int vertex = static_cast<int>(graph.poses.size());
-      graph.poses.push_back(mission.map_from_body[i]);
-      if (i > 0) graph.edges.push_back(OdometryEdge(mission, i, vertex));
+      graph.poses.push_back(mission->map_from_body[i]);
+      if (i > 0) graph.edges.push_back(OdometryEdge(*mission, i, vertex));
     }
   }
   for (const ClosureRecord& record : snapshot.closures) {
-    if (!InUse(record.verdict)) continue;
-    graph.edges.push_back(ClosureEdge(record.candidate, first_vertex));
+    const LoopCandidate& closure = record.candidate;
+    if (!InUse(record.verdict) || first_vertex.count(closure.from.mission) == 0 ||
+        first_vertex.count(closure.to.mission) == 0) {
+      continue;
+    }
+    graph.edges.push_back(ClosureEdge(closure, first_vertex));
   }
   std::ostringstream out;
   WriteG2o(out, graph);
@@ -77,13 +97,19 @@ absl::StatusOr<std::string> MapFile(const MapRegistry& registry,
                                     const v1::ExportMapRequest& request) {
   ASSIGN_OR_RETURN(const std::shared_ptr<HostedMap> map, registry.Find(request.map()));
   const std::shared_ptr<const MapSnapshot> snapshot = map->published().snapshot;
+  ASSIGN_OR_RETURN(const SnapshotMissions missions, MissionsOf(*snapshot, request));
   switch (request.format()) {
     case v1::EXPORT_FORMAT_TUM:
-      return TumFile(*snapshot);
+      return TrajectoryFile(missions, TrajectoryFormat::kTum);
+    case v1::EXPORT_FORMAT_KITTI:
+      return TrajectoryFile(missions, TrajectoryFormat::kKitti);
+    case v1::EXPORT_FORMAT_EUROC:
+      return TrajectoryFile(missions, TrajectoryFormat::kEuroc);
     case v1::EXPORT_FORMAT_G2O:
-      return G2oFileOf(*snapshot);
+      return G2oFileOf(*snapshot, missions);
     default:
-      return InvalidField("format", absl::StrCat(request.format(), " is neither TUM nor G2O"));
+      return InvalidField("format",
+                          absl::StrCat(request.format(), " is not one of ExportFormat's"));
   }
 }
 

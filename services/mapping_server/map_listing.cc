@@ -68,6 +68,26 @@ std::map<std::string, RobotTotals> TotalsByRobot(const HostedMap& map) {
   return robots;
 }
 
+// Traffic and the last report, without the columns of the comparison.
+void AddLink(HostedMap& map, v1::Robot& robot) {
+  if (const auto counters = map.traffic().Find(robot.robot())) {
+    robot.set_bytes_received(counters->bytes_received);
+    robot.set_bytes_sent(counters->bytes_sent);
+    robot.set_watching(counters->watches > 0);
+    robot.set_revision_sent(counters->revision_sent);
+  }
+  if (const StatusReports::Report report = map.reports().Newest(robot.robot())) {
+    *robot.mutable_report() = *report;
+    if (!report->has_comparison()) return;
+    v1::ComparisonReport& comparison = *robot.mutable_report()->mutable_comparison();
+    comparison.clear_index();
+    comparison.clear_small();
+    comparison.clear_mid();
+    comparison.clear_large();
+    comparison.clear_largest();
+  }
+}
+
 double PathLengthM(const SnapshotMission& mission) {
   double length_m = 0;
   for (size_t i = 1; i < mission.map_from_body.size(); ++i) {
@@ -144,6 +164,7 @@ absl::StatusOr<v1::ListRobotsResponse> ListRobots(const MapRegistry& registry,
     robot.set_keyframes(totals.keyframes);
     robot.set_uploading(sessions.IsOpen(map->id(), keys[i]));
     *robot.mutable_last_upload() = ToProto(totals.stored_at);
+    AddLink(*map, robot);
   }
   response.set_next_page_token(page.next_page_token);
   return response;
@@ -191,6 +212,9 @@ absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const MapRegistry& regis
         next_start != mission->submap_starts.end() && *next_start == static_cast<int64_t>(i);
     if (start) ++next_start;
     *response.add_nodes() = Describe(*mission, i, start);
+    if (request.odometry()) {
+      *response.add_odometry() = ToProto(mission->keyframes[i].mission_from_body);
+    }
   }
   if (static_cast<int64_t>(response.ByteSizeLong()) > max_message_bytes) {
     return absl::ResourceExhaustedError(absl::StrCat("mission: ", response.nodes_size(),

@@ -2,12 +2,14 @@
 #include "overtone/services/mapping_server/mapping_pipeline.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <utility>
 #include <variant>
 
 #include "absl/time/clock.h"
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/log_limit.h"
 
 namespace overtone {
@@ -24,6 +26,19 @@ constexpr double kCheckpointShare = 0.05;
 constexpr uint64_t kReservedRevisions = 1'000'000;
 // For a disk that has stopped answering; the map goes on without.
 constexpr absl::Duration kStoreTimeout = absl::Seconds(5);
+
+class Stopwatch {
+ public:
+  // Seconds since the lap before.
+  double Lap() {
+    const Clock::time_point now = Clock::now();
+    return std::chrono::duration<double>(now - std::exchange(last_, now)).count();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point last_ = Clock::now();
+};
 
 // What was found at one keyframe. All of it, even when some is refused.
 absl::Status Add(const SearchResult& search, MultiRobotMap& map) {
@@ -155,7 +170,7 @@ bool MappingPipeline::Restore(StoredCheckpoint checkpoint) {
   }
   const auto snapshot = map_.Restore(map);
   if (!snapshot.ok()) {
-    spdlog::warn("the map is optimised anew: {}", snapshot.status().ToString());
+    spdlog::warn("map {}: optimised anew: {}", sink_.map, snapshot.status().ToString());
     return false;
   }
   if (ended_in_order) {
@@ -171,6 +186,9 @@ bool MappingPipeline::Restore(StoredCheckpoint checkpoint) {
 }
 
 void MappingPipeline::Run() {
+  LogFields fields;
+  fields.map = sink_.map;
+  const LogScope scope(&fields);
   while (!Stopping()) {
     // Neither memory running out nor a solver's exception may take the server along.
     try {
@@ -178,7 +196,7 @@ void MappingPipeline::Run() {
       Iterate(work);
       StoreCheckpointWhenDue();
     } catch (const std::exception& error) {
-      spdlog::error("mapping failed: {}", error.what());
+      spdlog::error("map {}: mapping failed: {}", sink_.map, error.what());
     }
     absl::MutexLock lock(&mutex_);
     in_hand_ = 0;
@@ -215,17 +233,22 @@ void MappingPipeline::Apply(const Work& work) {
   ++entries_;
   // The store let it through, so a refusal here is a defect of ours: say so, and go on without it.
   if (!status.ok()) {
-    LogPeer(spdlog::level::err, "refused by the map", "the map refused what was stored: {}",
-            HeaderSafe(status.ToString()));
+    LogPeer(spdlog::level::err, "refused by the map", "map {}: refused what was stored: {}",
+            sink_.map, HeaderSafe(status.ToString()));
   }
 }
 
 void MappingPipeline::Iterate(const std::vector<Work>& work) {
+  Stopwatch watch;
+  CycleTimes times;
   for (const Work& item : work) Apply(item);
   if (!map_.dirty()) return;
+  times.intake_s = watch.Lap();
   const std::shared_ptr<const MapSnapshot> snapshot = map_.Optimise();
-  spdlog::info("revision {}: {} missions, {} closures, cost {:.6g} -> {:.6g} in {:.3f} s",
-               snapshot->revision, snapshot->missions.size(), snapshot->closures.size(),
+  times.optimise_s = snapshot->optimisation_s;
+  times.snapshot_s = std::max(0.0, watch.Lap() - snapshot->optimisation_s);
+  spdlog::info("map {}: revision {}: {} missions, {} closures, cost {:.6g} -> {:.6g} in {:.3f} s",
+               sink_.map, snapshot->revision, snapshot->missions.size(), snapshot->closures.size(),
                snapshot->initial_cost, snapshot->final_cost, snapshot->optimisation_s);
   uint64_t reserved = 0;
   {
@@ -235,7 +258,10 @@ void MappingPipeline::Iterate(const std::vector<Work>& work) {
   // Nobody hears of a revision whose number could be given out again after a crash.
   if (snapshot->revision > reserved)
     StoreCheckpointAndWait(snapshot->revision + kReservedRevisions);
+  times.store_s = watch.Lap();
   sink_.publish(snapshot, map_.history());
+  times.publish_s = watch.Lap();
+  if (sink_.timed != nullptr) sink_.timed(snapshot->revision, times);
 }
 
 void MappingPipeline::StoreCheckpoint(uint64_t reserved_through) {
@@ -248,7 +274,9 @@ void MappingPipeline::StoreCheckpoint(uint64_t reserved_through) {
     ++checkpoints_under_way_;
   }
   sink_.store(std::move(bytes), [this, reserved_through](const absl::Status& status) {
-    if (!status.ok()) spdlog::warn("checkpoint not stored: {}", status.ToString());
+    if (!status.ok()) {
+      spdlog::warn("map {}: checkpoint not stored: {}", sink_.map, status.ToString());
+    }
     absl::MutexLock lock(&mutex_);
     if (status.ok()) reserved_through_ = reserved_through;
     --checkpoints_under_way_;

@@ -4,6 +4,7 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_PIPELINE_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_PIPELINE_H_
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -21,6 +22,7 @@
 #include "overtone/core/mapping/revision_history.h"
 #include "overtone/services/mapping_server/checkpoint_codec.h"
 #include "overtone/services/mapping_server/map_log.h"
+#include "overtone/services/mapping_server/metrics/map_instruments.h"
 
 namespace overtone {
 
@@ -34,6 +36,10 @@ class MappingPipeline {
     std::function<void(std::shared_ptr<const MapSnapshot>, const RevisionHistory&)> publish;
     // Keeps a checkpoint; `done` says whether it is durable.
     std::function<void(std::string bytes, std::function<void(absl::Status)> done)> store;
+    // After publish, where the time of the cycle went; may be null.
+    std::function<void(uint64_t revision, const CycleTimes&)> timed;
+    // Of the log's lines.
+    std::string map;
   };
 
   // `options` must be valid. Nothing moves before Start. The map's epoch comes with the first

@@ -7,12 +7,14 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
+#include "grpc/health/v1/health.pb.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
 #include "grpcpp/health_check_service_interface.h"
 #include "grpcpp/impl/server_builder_option.h"
 #include "grpcpp/impl/server_builder_plugin.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/services/mapping_server/rpc/call_interceptor.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -56,26 +58,30 @@ void ConfigureConnections(const ServerOptions& options, grpc::ServerBuilder& bui
 
 }  // namespace
 
-MappingServer::MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security)
-    : options_(options),
+MappingServer::MappingServer(const Configuration& configuration,
+                             std::unique_ptr<ServerSecurity> security)
+    : options_(configuration.options),
       security_(std::move(security)),
-      quotas_(options.quotas),
-      registry_(options),
-      maintenance_(options.limits, &registry_, &sessions_),
-      mapping_service_(options, security_->access(), &quotas_, &registry_, &sessions_),
-      map_admin_service_(options.limits.max_message_bytes, security_->access(), &registry_,
-                         &sessions_, &maintenance_) {}
+      quotas_(options_.quotas),
+      registry_(options_),
+      maintenance_(options_.limits, &registry_, &sessions_),
+      mapping_service_(options_, security_->access(), &quotas_, &registry_, &sessions_),
+      map_admin_service_(options_.limits.max_message_bytes, DescribeConfiguration(configuration),
+                         security_->access(), &registry_, &sessions_, &maintenance_) {}
 
-absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options) {
+absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const ServerOptions& options,
+                                                                    const OptionSources& sources) {
   RETURN_IF_ERROR(options.Validate());
   ASSIGN_OR_RETURN(std::unique_ptr<ServerSecurity> security,
                    ServerSecurity::Create(options.security));
-  std::unique_ptr<MappingServer> server(new MappingServer(options, std::move(security)));
+  std::unique_ptr<MappingServer> server(new MappingServer({options, sources}, std::move(security)));
   RETURN_IF_ERROR(server->registry_.Open());
   RETURN_IF_ERROR(server->Listen());
   if (!options.metrics_listen.empty()) {
-    ASSIGN_OR_RETURN(server->metrics_,
-                     MetricsEndpoint::Start(options.metrics_listen, &server->registry_));
+    ASSIGN_OR_RETURN(
+        server->metrics_,
+        MetricsEndpoint::Start(options.metrics_listen, {&server->registry_, &server->sessions_,
+                                                        &server->quotas_, &server->rpcs_}));
   }
   return server;
 }
@@ -83,10 +89,14 @@ absl::StatusOr<std::unique_ptr<MappingServer>> MappingServer::Start(const Server
 absl::Status MappingServer::Listen() {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::health::v1::HealthCheckRequest::descriptor();  // linked, so that reflection knows it
   grpc::ServerBuilder builder;
   ConfigureConnections(options_, builder);
   if (!options_.reflection) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.AddListeningPort(options_.listen, security_->Credentials(), &port_);
+  std::vector<std::unique_ptr<grpc::experimental::ServerInterceptorFactoryInterface>> interceptors;
+  interceptors.push_back(std::make_unique<CallInterceptorFactory>(&rpcs_));
+  builder.experimental().SetInterceptorCreators(std::move(interceptors));
   builder.RegisterService(&mapping_service_);
   builder.RegisterService(&map_admin_service_);
   server_ = builder.BuildAndStart();

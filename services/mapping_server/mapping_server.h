@@ -8,11 +8,13 @@
 #include "absl/status/statusor.h"
 #include "absl/time/time.h"
 #include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/configuration.h"
 #include "overtone/services/mapping_server/map_admin_service.h"
 #include "overtone/services/mapping_server/map_maintenance.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/mapping_service.h"
 #include "overtone/services/mapping_server/metrics.h"
+#include "overtone/services/mapping_server/metrics/rpc_metrics.h"
 #include "overtone/services/mapping_server/quota/robot_quotas.h"
 #include "overtone/services/mapping_server/security/server_security.h"
 #include "overtone/services/mapping_server/server_options.h"
@@ -23,9 +25,10 @@ namespace overtone {
 // The whole server in one object; the binary and the tests both start it this way.
 class MappingServer {
  public:
-  // Serves when this returns. InvalidArgument naming the option; Unavailable: the address cannot be
-  // listened on.
-  static absl::StatusOr<std::unique_ptr<MappingServer>> Start(const ServerOptions& options);
+  // Serves when this returns. `sources`: who set the options, for operators. InvalidArgument naming
+  // the option; Unavailable: the address cannot be listened on.
+  static absl::StatusOr<std::unique_ptr<MappingServer>> Start(
+      const ServerOptions& options, const OptionSources& sources = OptionSources());
   // As Shutdown with options.shutdown_s.
   ~MappingServer();
 
@@ -44,12 +47,13 @@ class MappingServer {
   void Shutdown(absl::Duration deadline);
 
  private:
-  MappingServer(const ServerOptions& options, std::unique_ptr<ServerSecurity> security);
+  MappingServer(const Configuration& configuration, std::unique_ptr<ServerSecurity> security);
   absl::Status Listen();
 
   const ServerOptions options_;
   const std::unique_ptr<ServerSecurity> security_;
   RobotQuotas quotas_;
+  RpcMetrics rpcs_;
   MapRegistry registry_;
   UploadSessions sessions_;
   MapMaintenance maintenance_;

@@ -5,6 +5,8 @@
 
 #include "overtone/core/common/status_macros.h"
 #include "overtone/services/mapping_server/quota/quota_subject.h"
+#include "overtone/services/mapping_server/request_id.h"
+#include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/services/mapping_server/rpc/upload_submaps.h"
 #include "overtone/services/mapping_server/rpc/watch_graph.h"
@@ -40,7 +42,7 @@ grpc::ServerUnaryReactor* MappingService::GetServerInfo(grpc::CallbackServerCont
 grpc::ServerBidiReactor<v1::UploadSubmapsRequest, v1::UploadSubmapsResponse>*
 MappingService::UploadSubmaps(grpc::CallbackServerContext* context) {
   return overtone::UploadSubmaps::Start(StreamAccess(access_, *context), Quota(*context), registry_,
-                                        sessions_, options_.limits);
+                                        sessions_, options_.limits, RequestIdOf(*context));
 }
 
 grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerContext* context,
@@ -74,6 +76,16 @@ grpc::ServerUnaryReactor* MappingService::GetGraph(grpc::CallbackServerContext* 
   const absl::Status may = access_->MayRead(*context, request->map());
   return Guarded(context, Admit(*context, may), [&] {
     return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
+  });
+}
+
+grpc::ServerUnaryReactor* MappingService::ReportStatus(grpc::CallbackServerContext* context,
+                                                       const v1::ReportStatusRequest* request,
+                                                       v1::ReportStatusResponse* response) {
+  const std::string& robot = request->mission().robot();
+  const absl::Status may = access_->MayWrite(*context, request->map(), robot, "");
+  return Guarded(context, Admit(*context, may, robot), [&] {
+    return Answer(context, overtone::ReportStatus(*registry_, *request), response);
   });
 }
 

@@ -19,7 +19,8 @@ using MappingServiceBase = v1::MappingService::WithCallbackMethod_GetServerInfo<
             v1::MappingService::WithCallbackMethod_AddLoopClosures<
                 v1::MappingService::WithRawCallbackMethod_WatchGraph<
                     v1::MappingService::WithCallbackMethod_GetGraph<
-                        v1::MappingService::Service>>>>>>;
+                        v1::MappingService::WithCallbackMethod_ReportStatus<
+                            v1::MappingService::Service>>>>>>>;
 
 // The table of contents: what a robot calls, who may and how often, and where it is done. Access
 // control, quotas, registry and sessions outlive the service.
@@ -44,6 +45,9 @@ class MappingService final : public MappingServiceBase {
   grpc::ServerUnaryReactor* GetGraph(grpc::CallbackServerContext* context,
                                      const v1::GetGraphRequest* request,
                                      v1::GetGraphResponse* response) override;
+  grpc::ServerUnaryReactor* ReportStatus(grpc::CallbackServerContext* context,
+                                         const v1::ReportStatusRequest* request,
+                                         v1::ReportStatusResponse* response) override;
 
  private:
   // Whether the call is within its caller's quota, and then `allowed`.

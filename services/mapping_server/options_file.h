@@ -3,21 +3,20 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_OPTIONS_FILE_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_OPTIONS_FILE_H_
 
-#include <map>
 #include <string>
 
 #include "absl/status/status.h"
+#include "overtone/services/mapping_server/option_table.h"
 #include "overtone/services/mapping_server/server_options.h"
 
 namespace overtone {
 
-// Puts what the file says into `options`; the rest stays. NotFound: cannot be read. InvalidArgument
-// "path:line: what": not YAML, an unknown key (with the nearest known one), a key given twice, a
-// value of the wrong type. Ranges are for ServerOptions::Validate().
-absl::Status ReadOptionsFile(const std::string& path, ServerOptions& options);
-
-// Every key that a file may give, "section.key", with its value as the file would say it.
-std::map<std::string, std::string> OptionValues(ServerOptions options);
+// Puts what the file says into `options`, and where it says so into `sources`; the rest stays.
+// NotFound: cannot be read. InvalidArgument, a line "path:line: what" for each mistake: not YAML,
+// an unknown key (with the nearest known one), a key given twice, a value of the wrong type. Ranges
+// are for ServerOptions::Validate().
+absl::Status ReadOptionsFile(const std::string& path, ServerOptions& options,
+                             OptionSources& sources);
 
 }  // namespace overtone
 

@@ -5,6 +5,7 @@
 #include <initializer_list>
 
 #include "absl/strings/str_cat.h"
+#include "absl/strings/str_join.h"
 #include "absl/strings/string_view.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
@@ -30,13 +31,10 @@ absl::Status ValidateListen(absl::string_view name, absl::string_view listen) {
   return InvalidField(name, absl::StrCat("'", listen, "' is not host:port"));
 }
 
-absl::Status ValidateLogLevel(absl::string_view level) {
-  const std::initializer_list<absl::string_view> levels = {"trace", "debug",    "info", "warning",
-                                                           "error", "critical", "off"};
-  if (std::find(levels.begin(), levels.end(), level) != levels.end()) return absl::OkStatus();
-  return InvalidField("log_level", absl::StrCat("'", level,
-                                                "' is none of trace, debug, info, warning, error, "
-                                                "critical, off"));
+absl::Status ValidateWord(absl::string_view name, absl::string_view word,
+                          std::initializer_list<absl::string_view> words) {
+  if (std::find(words.begin(), words.end(), word) != words.end()) return absl::OkStatus();
+  return InvalidField(name, absl::StrCat("'", word, "' is none of ", absl::StrJoin(words, ", ")));
 }
 
 }  // namespace
@@ -80,7 +78,9 @@ absl::Status ServerOptions::Validate() const {
   RETURN_IF_ERROR(ValidateListen("listen", listen));
   if (data_dir.empty()) return InvalidField("data_dir", "must name a folder, or :memory:");
   if (!metrics_listen.empty()) RETURN_IF_ERROR(ValidateListen("metrics_listen", metrics_listen));
-  RETURN_IF_ERROR(ValidateLogLevel(log_level));
+  RETURN_IF_ERROR(ValidateWord("log_level", log_level,
+                               {"trace", "debug", "info", "warning", "error", "critical", "off"}));
+  RETURN_IF_ERROR(ValidateWord("log_format", log_format, {"text", "json"}));
   RETURN_IF_ERROR(security.Validate(listen));
   RETURN_IF_ERROR(InRange("keepalive_s", keepalive_s, 1.0, 3600.0));
   RETURN_IF_ERROR(InRange("shutdown_s", shutdown_s, 0.0, 600.0));

@@ -74,6 +74,8 @@ struct ServerOptions {
   std::string metrics_listen;
   // trace, debug, info, warning, error, critical, off. To stderr.
   std::string log_level = "info";
+  // text for people, json (one object a line) for what collects logs.
+  std::string log_format = "text";
   // The schema, for grpcurl and buf curl. Off where the API should not explain itself.
   bool reflection = true;
   // A dead peer is noticed after this and as long again; it also keeps NATs from forgetting us.

@@ -113,7 +113,7 @@ echo "== without rights, and ended in order"
 wait_until 60 healthy >/dev/null || fail "the health check: $(docker inspect -f '{{json .State.Health}}' "$server")"
 echo "memory: $(docker stats --no-stream --format '{{.MemUsage}}' "$server")"
 begin=$(now_ms)
-docker stop -t 15 "$server" >/dev/null
+docker stop -t 30 "$server" >/dev/null
 echo "from SIGTERM to the end: $(($(now_ms) - begin)) ms"
 [ "$(docker inspect -f '{{.State.ExitCode}}' "$server")" = 0 ] || fail "exit code $(docker inspect -f '{{.State.ExitCode}}' "$server")"
 docker start "$server" >/dev/null

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A robot behind a link that is cut, silent, slow, lossy or broken off in the middle of a message:
 // all that it handed over arrives once, little is sent again, and the host knows how the link is.
-// OVERTONE_LINK_REAL=1: cuts of 1 s and 60 s in real time, too.
+// OVERTONE_TEST_LINK_REAL=1: cuts of 1 s and 60 s in real time, too.
 #include <algorithm>
 #include <cstdlib>
 #include <iostream>
@@ -226,7 +226,8 @@ TEST_F(LinkTest, ACutIsFilledIn) {
 }
 
 TEST_F(LinkTest, ACutOfAMinuteInRealTimeIsFilledIn) {
-  if (FromEnvironment("OVERTONE_LINK_REAL", 0) == 0) GTEST_SKIP() << "OVERTONE_LINK_REAL=1";
+  if (FromEnvironment("OVERTONE_TEST_LINK_REAL", 0) == 0)
+    GTEST_SKIP() << "OVERTONE_TEST_LINK_REAL=1";
   CutFor("cut of 60 s, real time", absl::Seconds(60), 1);
 }
 

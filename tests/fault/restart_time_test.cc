@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How long a server that was killed takes to serve again, by what it has stored: 1,000 submaps of
-// ten keyframes and a cloud each. OVERTONE_RESTART_SUBMAPS: another number.
+// ten keyframes and a cloud each. OVERTONE_TEST_RESTART_SUBMAPS: another number.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -65,7 +65,7 @@ std::string Figures(std::vector<double> times_ms) {
 }
 
 TEST(RestartTime, IsShort) {
-  const int64_t submaps = FromEnvironment("OVERTONE_RESTART_SUBMAPS", 1000);
+  const int64_t submaps = FromEnvironment("OVERTONE_TEST_RESTART_SUBMAPS", 1000);
   const TemporaryDirectory directory;
   ServerUnderFault server(directory.path());
   ASSERT_TRUE(server.Start().ok());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // kill -9 of the robot's process at random moments, with and without a server: what the client said
-// had persisted reaches the server, once and in order. OVERTONE_KILLS: how many (default 60);
-// OVERTONE_SEED.
+// had persisted reaches the server, once and in order. OVERTONE_TEST_KILLS: how many (default 60);
+// OVERTONE_TEST_SEED.
 #include <fcntl.h>
 #include <poll.h>
 #include <spawn.h>
@@ -118,8 +118,8 @@ std::string ExpectedSubmap(int64_t sequence) {
 }
 
 TEST(RobotKill, WhatPersistedReachesTheServerOnceAndInOrder) {
-  const int64_t kills = FromEnvironment("OVERTONE_KILLS", 60);
-  const int64_t seed = FromEnvironment("OVERTONE_SEED", 1);
+  const int64_t kills = FromEnvironment("OVERTONE_TEST_KILLS", 60);
+  const int64_t seed = FromEnvironment("OVERTONE_TEST_SEED", 1);
   std::cout << "seed " << seed << std::endl;
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<int> after_us(0, 120'000);

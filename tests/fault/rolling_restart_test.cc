@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SIGTERM of a server that four robots upload to, and a new process in its place, five times: it
 // says NOT_SERVING, ends in order within ten seconds, and nothing is lost.
-// OVERTONE_RESTARTS: how many.
+// OVERTONE_TEST_RESTARTS: how many.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -105,7 +105,7 @@ class RollingRestartTest : public ::testing::Test {
 };
 
 TEST_F(RollingRestartTest, LosesNothingUnderLoad) {
-  const int64_t restarts = FromEnvironment("OVERTONE_RESTARTS", 5);
+  const int64_t restarts = FromEnvironment("OVERTONE_TEST_RESTARTS", 5);
   for (int64_t i = 0; i < restarts && !HasFatalFailure(); ++i) Restart();
   ASSERT_FALSE(HasFatalFailure());
 

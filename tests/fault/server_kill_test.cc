@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // kill -9 of the server at random moments and at every failpoint, with four robots uploading and a
 // watcher: what was acknowledged is there after the restart, everything handed over in the end,
-// once and as sent. OVERTONE_KILLS: how many (default 100); OVERTONE_SEED.
+// once and as sent. OVERTONE_TEST_KILLS: how many (default 100); OVERTONE_TEST_SEED.
 #include <algorithm>
 #include <iostream>
 #include <memory>
@@ -212,8 +212,8 @@ void Print(Figures& figures) {
 }
 
 TEST(ServerKill, WhatWasAcknowledgedIsThereAfterEveryKill) {
-  const int64_t kills = FromEnvironment("OVERTONE_KILLS", 100);
-  const int64_t seed = FromEnvironment("OVERTONE_SEED", 1);
+  const int64_t kills = FromEnvironment("OVERTONE_TEST_KILLS", 100);
+  const int64_t seed = FromEnvironment("OVERTONE_TEST_SEED", 1);
   std::cout << "seed " << seed << std::endl;
   std::mt19937_64 random(seed);
   Figures figures;

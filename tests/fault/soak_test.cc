@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eight robots for OVERTONE_SOAK_S seconds, one mission after the other: what the server's process
-// and that of the robots (this one) hold stays what it was after the warm-up, but for the map that
-// grows. Prints a row of figures now and then (CSV), and a verdict.
+// Eight robots for OVERTONE_TEST_SOAK_S seconds, one mission after the other: what the server's
+// process and that of the robots (this one) hold stays what it was after the warm-up, but for the
+// map that grows. Prints a row of figures now and then (CSV), and a verdict.
 #include <unistd.h>
 
 #include <algorithm>
@@ -62,8 +62,8 @@ double Slope(const std::vector<Sample>& samples, const X& x, const Y& y) {
 class SoakTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    seconds_ = FromEnvironment("OVERTONE_SOAK_S", 0);
-    if (seconds_ == 0) GTEST_SKIP() << "OVERTONE_SOAK_S=3600 for an hour";
+    seconds_ = FromEnvironment("OVERTONE_TEST_SOAK_S", 0);
+    if (seconds_ == 0) GTEST_SKIP() << "OVERTONE_TEST_SOAK_S=3600 for an hour";
     ASSERT_TRUE(server_.Start().ok());
     robots_.resize(kRobots);
     runs_.resize(kRobots);

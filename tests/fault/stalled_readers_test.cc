@@ -57,8 +57,9 @@ class StalledReadersTest : public ::testing::TestWithParam<int> {
 
 TEST_P(StalledReadersTest, ThirtyTwoStalledWatchersCostAtMostSixteenMebibytes) {
   constexpr int kStalled = 32;
-  const char* asked_for = std::getenv("OVERTONE_STALLED_REVISIONS");
-  if (asked_for == nullptr && GetParam() > 2000) GTEST_SKIP() << "OVERTONE_STALLED_REVISIONS=300";
+  const char* asked_for = std::getenv("OVERTONE_TEST_STALLED_REVISIONS");
+  if (asked_for == nullptr && GetParam() > 2000)
+    GTEST_SKIP() << "OVERTONE_TEST_STALLED_REVISIONS=300";
   const int revisions = asked_for == nullptr ? 20 : std::atoi(asked_for);
   ASSERT_TRUE(uploader_->Read().has_ready());
   for (; index_ < GetParam(); index_ += 1000) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The disk fails under a running store: power cuts at any operation, errors and no space at any
-// write or sync. OVERTONE_FAULT_RUNS: how many power cuts.
+// write or sync. OVERTONE_TEST_FAULT_RUNS: how many power cuts.
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -124,7 +124,7 @@ class StoreFaultTest : public ::testing::Test {
 };
 
 TEST_F(StoreFaultTest, APowerCutAtAnyMomentLosesNothingThatWasAcknowledged) {
-  const int64_t runs = testing::RunsFromEnvironment("OVERTONE_FAULT_RUNS", 300);
+  const int64_t runs = testing::RunsFromEnvironment("OVERTONE_TEST_FAULT_RUNS", 300);
   FaultVfs& disk = FaultVfs::Instance();
   std::mt19937 random(20260101);
   int64_t acknowledged = 0, cut_at_opening = 0, whole = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Files of a small store, changed at random while it is closed: nothing crashes, nothing wrong is
-// told, every entry is told as it was or named as lost. OVERTONE_STORE_MUTATIONS: how many.
+// told, every entry is told as it was or named as lost. OVERTONE_TEST_STORE_MUTATIONS: how many.
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -168,7 +168,7 @@ class StoreMutationTest : public ::testing::Test {
 };
 
 TEST_F(StoreMutationTest, WhateverHappensToTheFilesNothingWrongIsTold) {
-  const int64_t mutations = testing::RunsFromEnvironment("OVERTONE_STORE_MUTATIONS", 10'000);
+  const int64_t mutations = testing::RunsFromEnvironment("OVERTONE_TEST_STORE_MUTATIONS", 10'000);
   ASSERT_NO_FATAL_FAILURE(MakeSamples());
   struct Row {
     int64_t count = 0, reported = 0, harmless = 0, salvaged = 0, entries = 0, clouds = 0;

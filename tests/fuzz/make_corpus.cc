@@ -199,11 +199,38 @@ Request About(const std::string& map) {
   return request;
 }
 
+v1::ReportStatusRequest FullReport() {
+  auto request = About<v1::ReportStatusRequest>("m");
+  v1::LinkReport& link = *request.mutable_link();
+  link.set_submaps_waiting(2);
+  link.set_bytes_waiting(4096);
+  link.mutable_clock_offset()->set_nanos(-20'000'000);
+  link.mutable_clock_offset_uncertainty()->set_nanos(3'000'000);
+  link.set_client_version("0.1.0");
+  v1::ComparisonReport& comparison = *request.mutable_comparison();
+  comparison.set_revision(3);
+  comparison.mutable_time()->set_seconds(1'700'000'000);
+  comparison.set_nodes(6);
+  for (int i = 0; i < 3; ++i) {
+    comparison.add_index(2 * i);
+    comparison.add_small(0.5f);
+    comparison.add_mid(0.25f * i);
+    comparison.add_large(1.0f * i);
+  }
+  comparison.add_constraints()->set_kind(v1::CONSTRAINT_KIND_LARGE);
+  comparison.mutable_constraints(0)->set_added(1);
+  comparison.add_largest()->set_to(4);
+  comparison.set_held_back("it would not help");
+  return request;
+}
+
 void AddRequests(const Corpus& corpus) {
   const auto add = [&corpus](const std::string& name, char method, const auto& request) {
     corpus.Add("requests", name, method + request.SerializeAsString());
   };
   add("get_upload_state", 'u', About<v1::GetUploadStateRequest>("m"));
+  add("report_status", 'p', FullReport());
+  add("get_status_report", 'q', About<v1::GetStatusReportRequest>("m"));
   auto closures = About<v1::AddLoopClosuresRequest>("m");
   *closures.add_loop_closures() = ToProto(WorldClosures()[0]);
   add("add_loop_closures", 'c', closures);

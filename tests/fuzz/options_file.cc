@@ -9,7 +9,8 @@ namespace {
 
 void Run(absl::string_view input) {
   ServerOptions options;
-  const absl::Status status = ReadOptionsFile(MemoryFile(input).path(), options);
+  OptionSources sources;
+  const absl::Status status = ReadOptionsFile(MemoryFile(input).path(), options, sources);
   if (!status.ok()) {
     FUZZ_CHECK(absl::IsInvalidArgument(status), status.ToString());
     return;

@@ -7,6 +7,8 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_file.h"
 #include "overtone/services/mapping_server/map_listing.h"
+#include "overtone/services/mapping_server/merged_cloud.h"
+#include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/tests/fuzz/message_input.h"
 #include "overtone/tests/fuzz/request_world.h"
@@ -71,6 +73,12 @@ void Run(absl::string_view input) {
     case 'u':
       return Answer<v1::GetUploadStateRequest>(
           input, [&](const auto& r) { return GetUploadState(registry, r).status(); });
+    case 'p':
+      return Answer<v1::ReportStatusRequest>(
+          input, [&](const auto& r) { return ReportStatus(registry, r).status(); });
+    case 'q':
+      return Answer<v1::GetStatusReportRequest>(
+          input, [&](const auto& r) { return GetStatusReport(registry, r).status(); });
     case 'c':
       return Answer<v1::AddLoopClosuresRequest>(
           input, [&](const auto& r) { return CheckClosures(r).status(); });
@@ -114,8 +122,10 @@ void Run(absl::string_view input) {
         return GetTrajectory(registry, r, world.options().limits.max_message_bytes).status();
       });
     case 'x':
-      return Answer<v1::ExportMapRequest>(
-          input, [&](const auto& r) { return MapFile(registry, r).status(); });
+      return Answer<v1::ExportMapRequest>(input, [&](const auto& r) {
+        const bool clouds = r.format() == v1::EXPORT_FORMAT_PLY;
+        return clouds ? ReadCloudExport(r).status() : MapFile(registry, r).status();
+      });
     default:
       return;
   }

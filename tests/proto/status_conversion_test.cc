@@ -38,6 +38,39 @@ TEST(StatusConversion, EveryCodeSurvivesTheRoundTrip) {
   }
 }
 
+TEST(StatusConversion, TheRequestIsInTheDetailsAndAtTheEndOfTheSentence) {
+  const grpc::Status plain = ToGrpcStatus(absl::UnavailableError("field: why"));
+  const grpc::Status named = WithRequestId(plain, "7f3a-B_9");
+  EXPECT_EQ(named.error_code(), plain.error_code());
+  EXPECT_EQ(named.error_message(), plain.error_message());
+  EXPECT_EQ(Find<google::rpc::RequestInfo>(Details(named)).request_id(), "7f3a-B_9");
+  EXPECT_EQ(Find<google::rpc::ErrorInfo>(Details(named)).reason(), "UNAVAILABLE");  // as before
+  EXPECT_EQ(FromGrpcStatus(named), absl::UnavailableError("field: why (request 7f3a-B_9)"));
+  // One that has no details, or not ours.
+  for (const char* details : {"", "\xff\xff"}) {
+    const grpc::Status other(grpc::StatusCode::UNIMPLEMENTED, "no such call", details);
+    EXPECT_EQ(FromGrpcStatus(WithRequestId(other, "1")),
+              absl::UnimplementedError("no such call (request 1)"));
+  }
+  EXPECT_TRUE(WithRequestId(grpc::Status::OK, "1").error_details().empty());
+}
+
+TEST(StatusConversion, WhatIsNoRequestIdIsNotTakenForOne) {
+  const grpc::Status plain = ToGrpcStatus(absl::UnavailableError("why"));
+  for (const std::string& bad : {std::string(), std::string(65, 'a'), std::string("a b"),
+                                 std::string("a\n"), std::string("\xff")}) {
+    EXPECT_FALSE(IsRequestId(bad));
+    EXPECT_EQ(WithRequestId(plain, bad).error_details(), plain.error_details());
+    google::rpc::Status details = Details(plain);
+    google::rpc::RequestInfo info;
+    if (bad != "\xff") info.set_request_id(bad);
+    details.add_details()->PackFrom(info);
+    EXPECT_EQ(FromGrpcStatus(grpc::Status(plain.error_code(), "why", details.SerializeAsString())),
+              absl::UnavailableError("why"));
+  }
+  EXPECT_TRUE(IsRequestId(std::string(64, 'Z')));
+}
+
 TEST(StatusConversion, AnUnknownCodeBecomesUnknown) {
   for (const int code : {-1, 17, 31}) {  // beyond 31, gRPC's enum cannot hold it
     const grpc::Status status(static_cast<grpc::StatusCode>(code), "what");

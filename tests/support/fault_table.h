@@ -11,11 +11,11 @@
 namespace overtone {
 
 // A row of the table of the fault tests: to standard output, and to the end of the file that
-// OVERTONE_FAULT_TABLE names (tests/fault/run.sh prints it).
+// OVERTONE_TEST_FAULT_TABLE names (tests/fault/run.sh prints it).
 inline void FaultRow(const std::string& test, const std::string& what, const std::string& figure) {
   const std::string row = "| " + test + " | " + what + " | " + figure + " |\n";
   std::cout << row << std::flush;
-  if (const char* path = std::getenv("OVERTONE_FAULT_TABLE")) {
+  if (const char* path = std::getenv("OVERTONE_TEST_FAULT_TABLE")) {
     std::ofstream(path, std::ios::app) << row << std::flush;
   }
 }

@@ -131,13 +131,13 @@ struct Case {
   }
 };
 
-// The vectors in the tree, and the folder with all of them: OVERTONE_GOLDEN_DIR, default
+// The vectors in the tree, and the folder with all of them: OVERTONE_TEST_GOLDEN_DIR, default
 // ../shared/golden.
 inline std::filesystem::path CommittedFolder() {
   return std::filesystem::path(OVERTONE_SOURCE_DIR) / "tests/data/golden";
 }
 inline std::filesystem::path SharedFolder() {
-  const char* folder = std::getenv("OVERTONE_GOLDEN_DIR");
+  const char* folder = std::getenv("OVERTONE_TEST_GOLDEN_DIR");
   return folder ? std::filesystem::path(folder)
                 : std::filesystem::path(OVERTONE_SOURCE_DIR) / "../shared/golden";
 }

@@ -230,6 +230,18 @@ grpc::Status ScriptedMappingServer::GetServerInfo(grpc::ServerContext* /*context
   return grpc::Status::OK;
 }
 
+grpc::Status ScriptedMappingServer::ReportStatus(grpc::ServerContext* /*context*/,
+                                                 const v1::ReportStatusRequest* request,
+                                                 v1::ReportStatusResponse* response) {
+  if (!script_.report_status) return grpc::Status(grpc::StatusCode::UNIMPLEMENTED, "");
+  int call = 0;
+  {
+    absl::MutexLock lock(&mutex_);
+    call = report_calls_++;
+  }
+  return script_.report_status(call, *request, *response);
+}
+
 SilentSocket::SilentSocket() : socket_(socket(AF_INET, SOCK_STREAM, 0)) {
   sockaddr_in address{};
   address.sin_family = AF_INET;

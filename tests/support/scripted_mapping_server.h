@@ -72,9 +72,12 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
     std::function<grpc::Status(int call, const v1::AddLoopClosuresRequest& request)>
         add_loop_closures;
     std::function<void(v1::GetServerInfoResponse& response)> server_info;
+    std::function<grpc::Status(int call, const v1::ReportStatusRequest& request,
+                               v1::ReportStatusResponse& response)>
+        report_status;
   };
 
-  // Calls without a script are parked; GetServerInfo then is not implemented.
+  // Calls without a script are parked; GetServerInfo and ReportStatus then are not implemented.
   // `address`: "127.0.0.1:port".
   explicit ScriptedMappingServer(Script script, const std::string& address = "127.0.0.1:0");
   ~ScriptedMappingServer() override;
@@ -103,6 +106,8 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
                                v1::AddLoopClosuresResponse* response) override;
   grpc::Status GetServerInfo(grpc::ServerContext* context, const v1::GetServerInfoRequest* request,
                              v1::GetServerInfoResponse* response) override;
+  grpc::Status ReportStatus(grpc::ServerContext* context, const v1::ReportStatusRequest* request,
+                            v1::ReportStatusResponse* response) override;
 
   const Script script_;
   mutable absl::Mutex mutex_;
@@ -110,6 +115,7 @@ class ScriptedMappingServer final : public v1::MappingService::Service {
   std::vector<int64_t> received_ ABSL_GUARDED_BY(mutex_);
   std::vector<std::string> blobs_ ABSL_GUARDED_BY(mutex_);
   std::vector<v1::WatchGraphRequest> watches_ ABSL_GUARDED_BY(mutex_);
+  int report_calls_ ABSL_GUARDED_BY(mutex_) = 0;
   int closure_calls_ ABSL_GUARDED_BY(mutex_) = 0;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   int port_ = 0;

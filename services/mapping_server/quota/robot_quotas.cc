@@ -9,6 +9,13 @@
 #include "overtone/proto/conversion/status_conversion.h"
 
 namespace overtone {
+namespace {
+
+// What comes at once is stored with one fsync, and the neighbours have the disk for themselves in
+// between. The rate is the same: the tokens of the pause are there after it.
+constexpr absl::Duration kShortestPause = absl::Milliseconds(500);
+
+}  // namespace
 
 absl::Time MonotonicNow() {
   return absl::UnixEpoch() + absl::FromChrono(std::chrono::steady_clock::now().time_since_epoch());
@@ -39,6 +46,7 @@ absl::Status RobotQuotas::AdmitCall(const std::string& who) {
   absl::MutexLock lock(&mutex_);
   const absl::Duration wait = Find(who).calls.TryTake(1, now_());
   if (wait == absl::ZeroDuration()) return absl::OkStatus();
+  ++refusals_.calls;
   return WithRetryDelay(
       QuotaExceeded(absl::StrCat(who, "/calls"),
                     absl::StrCat("at most ", options_.max_calls_per_s, " calls per second")),
@@ -49,6 +57,7 @@ absl::StatusOr<std::shared_ptr<const std::string>> RobotQuotas::OpenStream(const
   absl::MutexLock lock(&mutex_);
   Robot& robot = Find(who);
   if (options_.max_streams > 0 && robot.streams >= options_.max_streams) {
+    ++refusals_.streams;
     return QuotaExceeded(absl::StrCat(who, "/streams"),
                          absl::StrCat("at most ", options_.max_streams, " streams at once"));
   }
@@ -73,8 +82,11 @@ absl::Duration RobotQuotas::Charge(const std::string& who, int64_t bytes) {
   absl::MutexLock lock(&mutex_);
   Robot& robot = Find(who);
   const absl::Time now = now_();
-  return std::max(robot.messages.Charge(1, now),
-                  robot.bytes.Charge(static_cast<double>(bytes), now));
+  const absl::Duration pause =
+      std::max(robot.messages.Charge(1, now, kShortestPause),
+               robot.bytes.Charge(static_cast<double>(bytes), now, kShortestPause));
+  if (pause > absl::ZeroDuration()) ++refusals_.uploads;
+  return pause;
 }
 
 }  // namespace overtone

@@ -3,6 +3,7 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_QUOTA_ROBOT_QUOTAS_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_QUOTA_ROBOT_QUOTAS_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -39,6 +40,14 @@ class RobotQuotas {
   // A message was read on an open stream of theirs. The result: how long to read no other.
   absl::Duration Charge(const std::string& who, int64_t bytes);
 
+  // What was refused or slowed since the start.
+  struct Refusals {
+    std::atomic<int64_t> calls{0};
+    std::atomic<int64_t> streams{0};
+    std::atomic<int64_t> uploads{0};  // messages after which a stream was not read for a while
+  };
+  const Refusals& refusals() const { return refusals_; }
+
   // How many robots are remembered: those with a stream, and those that have not recovered what
   // they took.
   size_t size() const;
@@ -65,6 +74,7 @@ class RobotQuotas {
   const Clock now_;
   mutable absl::Mutex mutex_;
   std::map<std::string, Robot> robots_ ABSL_GUARDED_BY(mutex_);
+  Refusals refusals_;
   size_t sweep_at_ ABSL_GUARDED_BY(mutex_) = 64;
 };
 

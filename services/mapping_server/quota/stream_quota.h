@@ -28,6 +28,10 @@ class StreamQuota {
   // Once it is open: a message was read. The result: how long to read no other.
   absl::Duration Charge(int64_t bytes) { return quotas_->Charge(*share_, bytes); }
 
+  // Whose stream it is: the certificate's robot, or the one it claims to be where there is none;
+  // empty: no robot's.
+  std::string RobotName(absl::string_view claimed) const;
+
   void Close() { share_.reset(); }
 
  private:

@@ -26,9 +26,10 @@ constexpr size_t kMaxAnswers = 64;
 }  // namespace
 
 UploadReactor* UploadSubmaps::Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
-                                    UploadSessions* sessions, const ServerLimits& limits) {
+                                    UploadSessions* sessions, const ServerLimits& limits,
+                                    std::string request_id) {
   auto reactor = std::make_shared<UploadSubmaps>(std::move(access), std::move(quota), registry,
-                                                 sessions, limits);
+                                                 sessions, limits, std::move(request_id));
   reactor->self_ = reactor;
   const absl::Status admitted = reactor->quota_.Open();
   absl::MutexLock lock(&reactor->mutex_);
@@ -39,13 +40,17 @@ UploadReactor* UploadSubmaps::Start(StreamAccess access, StreamQuota quota, MapR
 }
 
 UploadSubmaps::UploadSubmaps(StreamAccess access, StreamQuota quota, MapRegistry* registry,
-                             UploadSessions* sessions, const ServerLimits& limits)
+                             UploadSessions* sessions, const ServerLimits& limits,
+                             std::string request_id)
     : access_(std::move(access)),
       registry_(registry),
       sessions_(sessions),
       window_bytes_(limits.upload_window_bytes),
       assembly_(limits.max_blob_bytes),
-      quota_(std::move(quota)) {}
+      quota_(std::move(quota)),
+      traffic_(std::make_shared<RobotCounters>()) {
+  log_.request_id = std::move(request_id);
+}
 
 void UploadSubmaps::End(const absl::Status& status) {
   absl::MutexLock lock(&mutex_);
@@ -61,10 +66,13 @@ void UploadSubmaps::Drain(const absl::Status& status) {
 }
 
 void UploadSubmaps::OnReadDone(bool ok) {
+  const LogScope scope(&log_);
   absl::Status status;
   absl::Duration pause;
   if (ok && BeginFrame()) {
-    pause = quota_.Charge(static_cast<int64_t>(request_.ByteSizeLong()));
+    const auto bytes = static_cast<int64_t>(request_.ByteSizeLong());
+    CountReceived(bytes);
+    pause = quota_.Charge(bytes);
     status = OnFrame();
   } else if (!ok && map_id_.empty()) {
     status = InvalidField("header", "the stream ended before it");
@@ -123,6 +131,9 @@ absl::Status UploadSubmaps::OnHeader(const v1::UploadHeader& header) {
   RETURN_IF_ERROR(quota_.SetRobot(mission.robot));
   map_id_ = header.map();
   mission_ = std::move(mission);
+  log_.map = map_id_;
+  log_.robot = mission_.robot;
+  log_.mission = mission_.mission;
   // Before the map is held: a change of the whole map ends those it knows, and waits for all.
   RETURN_IF_ERROR(sessions_->Open(map_id_, mission_, shared_from_this()));
   const absl::StatusOr<std::shared_ptr<HostedMap>> map = registry_->Find(map_id_);
@@ -180,6 +191,7 @@ absl::Status UploadSubmaps::Append(const v1::Submap& message, int64_t bytes) {
 
 void UploadSubmaps::OnAppended(const HostedMap& map, int64_t sequence, bool has_clouds,
                                int64_t bytes, const absl::StatusOr<AppendResult>& result) {
+  const LogScope scope(&log_);
   if (!result.ok()) {
     Reject(sequence, AtField("submap", result.status()), map.store().State(mission_).next_sequence);
   }
@@ -225,6 +237,7 @@ void UploadSubmaps::PutBlob(const std::shared_ptr<HostedMap>& map, const std::st
                          absl::MutexLock lock(&self->mutex_);
                          self->waiting_bytes_ -= bytes;
                          --self->waiting_;
+                         const LogScope scope(&self->log_);
                          self->AnswerBlob(sha256, status);
                          self->AskForBlobs(*map);
                          self->Advance();
@@ -274,10 +287,19 @@ std::shared_ptr<HostedMap> UploadSubmaps::map() {
   return map_;
 }
 
+void UploadSubmaps::CountReceived(int64_t bytes) {
+  absl::MutexLock lock(&mutex_);
+  traffic_->bytes_received += bytes;
+}
+
 absl::Status UploadSubmaps::SetMap(const std::shared_ptr<HostedMap>& map) {
   absl::MutexLock lock(&mutex_);
   if (ending_.has_value()) return absl::UnavailableError("the stream is ending");
   map_ = map;
+  const std::shared_ptr<const RobotCounters> before = traffic_;
+  traffic_ = map->traffic().Of(mission_.robot);
+  traffic_->bytes_received += before->bytes_received;
+  traffic_->bytes_sent += before->bytes_sent;
   return absl::OkStatus();
 }
 
@@ -297,6 +319,7 @@ void UploadSubmaps::Advance() {
   }
   if (!writing_ && !answers_.empty()) {
     writing_ = true;
+    traffic_->bytes_sent += static_cast<int64_t>(answers_.front().ByteSizeLong());
     StartWrite(&answers_.front());
   }
   const bool room = waiting_bytes_ < window_bytes_ && answers_.size() < kMaxAnswers;

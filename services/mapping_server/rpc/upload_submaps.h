@@ -15,6 +15,7 @@
 #include "grpcpp/alarm.h"
 #include "grpcpp/support/server_callback.h"
 #include "overtone/core/common/ids.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/map_registry.h"
 #include "overtone/services/mapping_server/quota/stream_quota.h"
 #include "overtone/services/mapping_server/rpc/blob_assembly.h"
@@ -36,11 +37,13 @@ class UploadSubmaps : public UploadReactor,
                       public std::enable_shared_from_this<UploadSubmaps> {
  public:
   // gRPC owns the reactor through itself. `registry` and `sessions` outlive the server's calls.
+  // `request_id` is for the log.
   static UploadReactor* Start(StreamAccess access, StreamQuota quota, MapRegistry* registry,
-                              UploadSessions* sessions, const ServerLimits& limits);
+                              UploadSessions* sessions, const ServerLimits& limits,
+                              std::string request_id);
 
   UploadSubmaps(StreamAccess access, StreamQuota quota, MapRegistry* registry,
-                UploadSessions* sessions, const ServerLimits& limits);
+                UploadSessions* sessions, const ServerLimits& limits, std::string request_id);
 
   void End(const absl::Status& status) override;
   void Drain(const absl::Status& status) override;
@@ -71,6 +74,7 @@ class UploadSubmaps : public UploadReactor,
   void Reject(int64_t sequence, const absl::Status& status, int64_t expected_sequence);
   int64_t NextSequence() ABSL_LOCKS_EXCLUDED(mutex_);
   std::shared_ptr<HostedMap> map() ABSL_LOCKS_EXCLUDED(mutex_);
+  void CountReceived(int64_t bytes) ABSL_LOCKS_EXCLUDED(mutex_);
   // Unavailable when the stream ended meanwhile.
   absl::Status SetMap(const std::shared_ptr<HostedMap>& map) ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -90,6 +94,7 @@ class UploadSubmaps : public UploadReactor,
   v1::UploadSubmapsRequest request_;
   std::string map_id_;  // empty until the header
   MissionId mission_;
+  LogFields log_;  // likewise; does not change after the header
   BlobAssembly assembly_;
   StreamQuota quota_;
   StreamAge age_;
@@ -99,6 +104,8 @@ class UploadSubmaps : public UploadReactor,
   // Null until the first good submap, or when the map is there; null again once the stream is to
   // end: a peer that takes no more answers must not keep the map.
   std::shared_ptr<HostedMap> map_ ABSL_GUARDED_BY(mutex_);
+  // The robot's in that map; what goes to and fro before it is there is counted with it.
+  std::shared_ptr<RobotCounters> traffic_ ABSL_GUARDED_BY(mutex_);         // never null
   std::deque<v1::UploadSubmapsResponse> answers_ ABSL_GUARDED_BY(mutex_);  // front: being written
   int64_t waiting_bytes_ ABSL_GUARDED_BY(mutex_) = 0;  // with the store, not answered yet
   int waiting_ ABSL_GUARDED_BY(mutex_) = 0;            // submaps and blobs

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/rpc/watch_graph.h"
 
+#include <string>
 #include <utility>
 
 #include "grpcpp/impl/codegen/proto_utils.h"
@@ -45,15 +46,20 @@ absl::Status WatchGraph::Subscribe(MapRegistry* registry, int server_max_nodes,
   {
     absl::MutexLock lock(&mutex_);
     map_ = map;
+    const std::string robot = quota_.RobotName(request.options().robot());
+    if (!robot.empty()) traffic_ = map->traffic().Of(robot);
+    if (traffic_ != nullptr) ++traffic_->watches;
   }
   map->publisher().Subscribe(shared_from_this(), std::move(subscription));
   return absl::OkStatus();
 }
 
-void WatchGraph::Send(const grpc::ByteBuffer& frame) {
+void WatchGraph::Send(const grpc::ByteBuffer& frame, uint64_t revision) {
   absl::MutexLock lock(&mutex_);
   if (finished_ || ending_.has_value()) return;
   frame_ = frame;
+  revision_ = revision;
+  if (traffic_ != nullptr) traffic_->bytes_sent += static_cast<int64_t>(frame.Length());
   writing_ = true;
   StartWrite(&frame_);
 }
@@ -72,6 +78,7 @@ void WatchGraph::OnWriteDone(bool ok) {
     absl::MutexLock lock(&mutex_);
     writing_ = false;
     frame_.Clear();
+    if (ok && traffic_ != nullptr) traffic_->revision_sent = revision_;
     if (finished_) return;
     if (ending_.has_value()) return FinishWith(*ending_);
     if (!ok) return FinishWith(absl::CancelledError("the peer is gone"));
@@ -95,6 +102,7 @@ void WatchGraph::OnDone() {
   {
     absl::MutexLock lock(&mutex_);
     map = std::move(map_);
+    if (traffic_ != nullptr) --traffic_->watches;
   }
   if (map != nullptr) map->publisher().Unsubscribe(this);
   quota_.Close();

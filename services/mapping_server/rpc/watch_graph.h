@@ -4,6 +4,7 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_RPC_WATCH_GRAPH_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_RPC_WATCH_GRAPH_H_
 
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -38,7 +39,7 @@ class WatchGraph : public WatchReactor,
   WatchGraph(StreamAccess access, StreamQuota quota)
       : access_(std::move(access)), quota_(std::move(quota)) {}
 
-  void Send(const grpc::ByteBuffer& frame) override;
+  void Send(const grpc::ByteBuffer& frame, uint64_t revision) override;
   void End(const absl::Status& status) override;
   // There is nothing to wait for but the frame under way.
   void Drain(const absl::Status& status) { End(status); }
@@ -61,7 +62,9 @@ class WatchGraph : public WatchReactor,
   // Until it ends: a peer that takes no more frames must not keep the map. Null for requests that
   // were refused. May be let go on any thread (MapRegistry::Share).
   std::shared_ptr<HostedMap> map_ ABSL_GUARDED_BY(mutex_);
-  grpc::ByteBuffer frame_ ABSL_GUARDED_BY(mutex_);  // being written
+  grpc::ByteBuffer frame_ ABSL_GUARDED_BY(mutex_);                  // being written
+  uint64_t revision_ ABSL_GUARDED_BY(mutex_) = 0;                   // that the peer has with it
+  std::shared_ptr<RobotCounters> traffic_ ABSL_GUARDED_BY(mutex_);  // null: no robot watches
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   bool finished_ ABSL_GUARDED_BY(mutex_) = false;
   absl::optional<absl::Status> ending_ ABSL_GUARDED_BY(mutex_);  // after the write under way

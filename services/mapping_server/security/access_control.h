@@ -59,6 +59,13 @@ class AccessControl {
     });
   }
 
+  // For what belongs to no map.
+  absl::Status MustBeOperator(const grpc::CallbackServerContext& context) const {
+    return Check(context, [](const AccessRules&, const PeerIdentity& peer) {
+      return overtone::MustBeOperator(peer);
+    });
+  }
+
   // Whether the caller may know of a map; PermissionDenied: of none, being a robot.
   using MapFilter = std::function<bool(const std::string& map)>;
   absl::StatusOr<MapFilter> VisibleMaps(const grpc::CallbackServerContext& context) const;

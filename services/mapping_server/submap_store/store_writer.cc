@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/submap_store/store_writer.h"
 
+#include <chrono>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -89,7 +90,10 @@ void StoreWriter::Run() {
 }
 
 void StoreWriter::Process(OperationBatch batch) {
+  const auto begin = std::chrono::steady_clock::now();
   absl::Status status = Store(batch);
+  Count(status, batch.size(),
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   if (!status.ok()) {
     if (!std::exchange(disk_fails_, true)) {
       spdlog::error("store {}: nothing can be stored: {}", file_->path(), status.ToString());
@@ -110,6 +114,16 @@ void StoreWriter::Process(OperationBatch batch) {
   for (const auto& call : calls) call(sink_);
   Failpoint("store_before_ack");
   for (const auto& operation : batch) operation->Finish(status);
+}
+
+void StoreWriter::Count(const absl::Status& status, size_t operations, double seconds) {
+  if (options_.instruments == nullptr) return;
+  if (!status.ok()) {
+    ++options_.instruments->errors;
+    return;
+  }
+  options_.instruments->commit_s.Observe(seconds);
+  options_.instruments->commit_entries.Observe(static_cast<double>(operations));
 }
 
 absl::Status StoreWriter::Store(OperationBatch& batch) {

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "absl/status/status.h"
+#include "overtone/services/mapping_server/metrics/map_instruments.h"
 #include "overtone/services/mapping_server/server_options.h"
 #include "overtone/services/mapping_server/submap_store.h"
 #include "overtone/services/mapping_server/submap_store/loss_list.h"
@@ -28,6 +29,8 @@ struct StoreOptions {
   // nothing else to do, and in any case.
   int checkpoint_pages_when_idle = 1000;
   int checkpoint_pages = 4000;
+  // Told of every commit; null: nobody.
+  StoreInstruments* instruments = nullptr;
 };
 
 // Push, Drain and Backlog are thread-safe. All else by one thread.
@@ -59,6 +62,7 @@ class StoreWriter {
   // The index as the file is after a salvage; the sink is not told.
   absl::Status Reload();
   void CheckpointIfDue();
+  void Count(const absl::Status& status, size_t operations, double seconds);
 
   StoreFile* const file_;
   StoreIndex* const index_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/core/common/rate_limit.h"
 
+#include <algorithm>
+
 #include "gtest/gtest.h"
 
 namespace overtone {
@@ -54,6 +56,22 @@ TEST(RateLimit, ADebtIsPaidInFull) {
     charged += size;
   }
   EXPECT_NEAR(absl::ToDoubleSeconds(now - kStart), (charged - 50) / 100, 1e-6);
+}
+
+// One message at a time: pauses of a second or of a full burst, and still the rate.
+TEST(RateLimit, AShortestPauseMakesPausesFewerAndNotTheRateLower) {
+  for (const double burst : {50.0, 1000.0}) {
+    RateLimit limit(100, burst);
+    absl::Time now = kStart;
+    int pauses = 0;
+    for (int i = 0; i < 5000; ++i) {
+      const absl::Duration pause = limit.Charge(1, now, absl::Seconds(1));
+      now += pause;
+      pauses += pause > absl::ZeroDuration();
+    }
+    EXPECT_NEAR(absl::ToDoubleSeconds(now - kStart), (5000 - burst) / 100, 1) << burst;
+    EXPECT_NEAR(pauses, (5000 - burst) / std::min(burst, 100.0), 2) << burst;
+  }
 }
 
 TEST(RateLimit, TimeThatStepsBackNeitherGivesNorTakes) {

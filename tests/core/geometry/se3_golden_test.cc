@@ -61,10 +61,11 @@ TEST(Se3Golden, CommittedPairsMatch) {
 }
 
 TEST(Se3Golden, AllPairsMatch) {
-  const char* named = std::getenv("OVERTONE_GOLDEN_DIR");
+  const char* named = std::getenv("OVERTONE_TEST_GOLDEN_DIR");
   const std::string folder = named != nullptr ? named : OVERTONE_SOURCE_DIR "/../shared/golden";
   const auto rows = ReadRows(folder + "/se3_log/pairs.csv");
-  if (rows.empty()) GTEST_SKIP() << folder << "/se3_log is not there (see OVERTONE_GOLDEN_DIR)";
+  if (rows.empty())
+    GTEST_SKIP() << folder << "/se3_log is not there (see OVERTONE_TEST_GOLDEN_DIR)";
   ExpectLogsToMatch(rows);
 }
 

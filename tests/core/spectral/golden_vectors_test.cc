@@ -185,7 +185,7 @@ TEST(GoldenFolder, CasesAreInTheTree) {
 
 TEST(GoldenFolder, FurtherCasesAreReadFromTheSharedFolder) {
   if (golden::CasesIn(golden::SharedFolder()).empty()) {
-    GTEST_SKIP() << "no cases in " << golden::SharedFolder() << "; set OVERTONE_GOLDEN_DIR";
+    GTEST_SKIP() << "no cases in " << golden::SharedFolder() << "; set OVERTONE_TEST_GOLDEN_DIR";
   }
 }
 

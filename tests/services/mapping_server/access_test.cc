@@ -37,6 +37,7 @@ const std::map<std::string, Right>& Rights() {
       {"MappingService/AddLoopClosures", Right::kWriteMission},
       {"MappingService/WatchGraph", Right::kReadMap},
       {"MappingService/GetGraph", Right::kReadMap},
+      {"MappingService/ReportStatus", Right::kWriteMission},
       {"MapAdminService/ListMaps", Right::kBeOperator},
       {"MapAdminService/ListRobots", Right::kAdministerMap},
       {"MapAdminService/ListMissions", Right::kAdministerMap},
@@ -47,6 +48,8 @@ const std::map<std::string, Right>& Rights() {
       {"MapAdminService/ListRevisions", Right::kAdministerMap},
       {"MapAdminService/RollBack", Right::kAdministerMap},
       {"MapAdminService/GetTrajectory", Right::kAdministerMap},
+      {"MapAdminService/GetStatusReport", Right::kAdministerMap},
+      {"MapAdminService/GetConfiguration", Right::kBeOperator},
       {"MapAdminService/ExportMap", Right::kAdministerMap},
       {"MapAdminService/BackupMap", Right::kAdministerMap},
       {"MapAdminService/RestoreMap", Right::kAdministerMap},
@@ -279,6 +282,7 @@ TEST_F(AccessTest, AMissionThatIsNotOursIsNamedByItsField) {
   const std::map<std::string, std::string> prefixes = {
       {"UploadSubmaps", "header.mission.robot: "},
       {"GetUploadState", "mission.robot: "},
+      {"ReportStatus", "mission.robot: "},
       {"AddLoopClosures", "loop_closures[0]: "},
   };
   for (const MethodDescriptor* method : Methods()) {

@@ -38,7 +38,7 @@ std::shared_ptr<const MapSnapshot> Snapshot(uint64_t revision) {
 // Takes frames, and never says Ready by itself.
 class FakeReader : public GraphReader {
  public:
-  void Send(const grpc::ByteBuffer& frame) override {
+  void Send(const grpc::ByteBuffer& frame, uint64_t /*revision*/) override {
     absl::MutexLock lock(&mutex_);
     frames_.push_back(frame);
   }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "absl/time/clock.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "overtone/core/geometry/trajectory_io.h"
 #include "overtone/core/graph/g2o_io.h"
+#include "overtone/proto/conversion/geometry_conversion.h"
 #include "overtone/tests/services/mapping_server/server_fixture.h"
 
 namespace overtone {
@@ -207,6 +211,84 @@ TEST_F(MapAdminServiceTest, TheG2oFileReadsBackAsThePoseGraphWithoutPendingClosu
       graph->graph.edges[0].information.isApprox(testing::FullCovariance().inverse(), 1e-6));
 }
 
+TEST_F(MapAdminServiceTest, TrajectoriesOfEveryFormatReadBackAsTheOptimisedPoses) {
+  MakeMap();
+  v1::GetTrajectoryRequest request;
+  request.set_map("mine");
+  *request.mutable_mission() = ToProto(kAnna);
+  const auto anna =
+      Call<v1::GetTrajectoryResponse>(&v1::MapAdminService::Stub::GetTrajectory, request);
+  for (const auto& [format, file_format] : std::map<v1::ExportFormat, TrajectoryFormat>{
+           {v1::EXPORT_FORMAT_TUM, TrajectoryFormat::kTum},
+           {v1::EXPORT_FORMAT_EUROC, TrajectoryFormat::kEuroc},
+           {v1::EXPORT_FORMAT_KITTI, TrajectoryFormat::kKitti}}) {
+    v1::ExportMapRequest one;
+    one.set_map("mine");
+    one.set_format(format);
+    *one.mutable_mission() = ToProto(kAnna);
+    std::string text;
+    ASSERT_TRUE(Export(one, text).ok());
+    EXPECT_THAT(text, StartsWith("# anna/run1, component 0, anchored\n"));
+    EXPECT_THAT(text, ::testing::Not(HasSubstr("bert")));
+    std::istringstream file(text);
+    const auto trajectory = ReadTrajectory(file, "export", file_format);
+    ASSERT_TRUE(trajectory.ok()) << trajectory.status();
+    ASSERT_EQ(trajectory->size(), 20u);
+    for (int i = 0; i < 20; ++i) {
+      const auto pose = FromProto(anna.nodes(i).map_tform_body());
+      ASSERT_TRUE(pose.ok());
+      EXPECT_LT((pose->translation - (*trajectory)[i].pose.translation).norm(), 1e-9);
+      EXPECT_LT(pose->rotation.angularDistance((*trajectory)[i].pose.rotation), 1e-7);
+      if (file_format == TrajectoryFormat::kKitti) continue;  // has no stamps
+      EXPECT_EQ((*trajectory)[i].stamp.ns, anna.nodes(i).stamp_ns());
+    }
+    // Of the whole map: every mission, one after the other.
+    const std::string all = Export(format);
+    EXPECT_THAT(all, StartsWith(text));
+    EXPECT_THAT(all, HasSubstr("\n# bert/run1, component 1, unanchored\n"));
+  }
+}
+
+TEST_F(MapAdminServiceTest, TheG2oFileOfAMissionHoldsItsOwnEdgesOnly) {
+  MakeMap();
+  for (const auto& [mission, poses, edges] :
+       {std::tuple(kAnna, 20u, 19u + 1u), std::tuple(kBert, 7u, 6u)}) {
+    v1::ExportMapRequest request;
+    request.set_map("mine");
+    request.set_format(v1::EXPORT_FORMAT_G2O);
+    *request.mutable_mission() = ToProto(mission);
+    std::string text;
+    ASSERT_TRUE(Export(request, text).ok());
+    std::istringstream file(text);
+    const auto graph = ReadG2o(file, "export");
+    ASSERT_TRUE(graph.ok()) << graph.status();
+    EXPECT_EQ(graph->graph.poses.size(), poses);
+    EXPECT_EQ(graph->graph.edges.size(), edges);
+  }
+}
+
+TEST_F(MapAdminServiceTest, OdometryComesWithTheTrajectoryWhenAskedFor) {
+  MakeMap();
+  v1::GetTrajectoryRequest request;
+  request.set_map("mine");
+  *request.mutable_mission() = ToProto(kAnna);
+  const auto trajectory = [&] {
+    return Call<v1::GetTrajectoryResponse>(&v1::MapAdminService::Stub::GetTrajectory, request);
+  };
+  EXPECT_EQ(trajectory().odometry_size(), 0);
+  request.set_odometry(true);
+  const auto response = trajectory();
+  ASSERT_EQ(response.nodes_size(), 20);
+  ASSERT_EQ(response.odometry_size(), 20);
+  const Submap uploaded = MakeSubmap(0, 0, 20);
+  for (int i = 0; i < 20; ++i) {
+    const auto pose = FromProto(response.odometry(i));
+    ASSERT_TRUE(pose.ok());
+    EXPECT_TRUE(pose->translation.isApprox(uploaded.keyframes[i].mission_from_body.translation) ||
+                i == 0);
+  }
+}
+
 TEST_F(MapAdminServiceTest, ALargeExportComesInChunksThatAddUp) {
   Upload("mine", kAnna, 20, 250);
   v1::ListMapsResponse maps;
@@ -271,6 +353,14 @@ TEST_F(MapAdminServiceTest, EveryBadRequestIsRefusedByField) {
     std::string ignored;
     return Export(request, ignored);
   };
+  const auto mission_file = [this](const MissionId& mission) {
+    v1::ExportMapRequest request;
+    request.set_map("mine");
+    request.set_format(v1::EXPORT_FORMAT_EUROC);
+    *request.mutable_mission() = ToProto(mission);
+    std::string ignored;
+    return Export(request, ignored);
+  };
   const std::vector<Case> cases = {
       {"page_size:", StatusCode::INVALID_ARGUMENT, [&] { return maps(-1, ""); }},
       {"page_size:", StatusCode::INVALID_ARGUMENT, [&] { return maps(1001, ""); }},
@@ -292,6 +382,11 @@ TEST_F(MapAdminServiceTest, EveryBadRequestIsRefusedByField) {
       {"map:", StatusCode::NOT_FOUND, [&] { return file("nowhere", v1::EXPORT_FORMAT_TUM); }},
       {"format:", StatusCode::INVALID_ARGUMENT, [&] { return file("mine", 0); }},
       {"format:", StatusCode::INVALID_ARGUMENT, [&] { return file("mine", 42); }},
+      {"mission.robot:", StatusCode::INVALID_ARGUMENT, [&] { return mission_file({}); }},
+      {"mission:", StatusCode::NOT_FOUND,
+       [&] {
+         return mission_file({"carl", "run1"});
+       }},
   };
   for (const Case& bad : cases) {
     const grpc::Status status = bad.call();

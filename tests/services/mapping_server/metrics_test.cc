@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Prometheus server would read, over a plain socket.
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
+// What a Prometheus server would read.
+#include <chrono>
 #include <string>
+#include <vector>
 
 #include "absl/strings/str_cat.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/tests/services/mapping_server/server_fixture.h"
+#include "overtone/tests/support/http_get.h"
 
 namespace overtone {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::MakeClosure;
 using testing::MakeSubmap;
@@ -25,32 +24,39 @@ using testing::Uploader;
 
 const MissionId kAnna = {"anna", "run1"};
 
-std::string Get(int port, const std::string& path) {
-  const int connection = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address = {};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(connect(connection, reinterpret_cast<sockaddr*>(&address), sizeof(address)), 0);
-  const std::string request = "GET " + path + " HTTP/1.0\r\n\r\n";
-  EXPECT_EQ(send(connection, request.data(), request.size(), MSG_NOSIGNAL),
-            static_cast<ssize_t>(request.size()));
-  std::string answer(1 << 20, '\0');
-  size_t size = 0;
-  for (ssize_t n = 1; n > 0 && size<answer.size(); size += n> 0 ? n : 0) {
-    n = recv(connection, &answer[size], answer.size() - size, 0);
-  }
-  close(connection);
-  answer.resize(size);
-  return answer;
-}
-
 class MetricsTest : public testing::ServerTest {
  protected:
   void SetUp() override {
     ServerOptions options = TestOptions();
     options.metrics_listen = "127.0.0.1:0";
     StartServer(options);
+  }
+  std::string Scrape() { return HttpGet(server_->metrics_port(), "/metrics"); }
+  // Until it says so: counters move a little after the peer has seen the effect.
+  std::string ScrapeWhen(const std::string& line) {
+    const auto deadline = testing::Deadline();
+    std::string answer = Scrape();
+    while (answer.find(line) == std::string::npos && std::chrono::system_clock::now() < deadline) {
+      answer = Scrape();
+    }
+    EXPECT_THAT(answer, HasSubstr(line));
+    return answer;
+  }
+
+  grpc::Status Report(const std::string& map, const v1::ConstraintKind kind) {
+    v1::ReportStatusRequest request;
+    request.set_map(map);
+    *request.mutable_mission() = ToProto(kAnna);
+    request.mutable_link()->set_bytes_waiting(4096);
+    request.mutable_link()->set_submaps_waiting(2);
+    request.mutable_link()->mutable_clock_offset()->set_nanos(-250'000'000);
+    request.mutable_comparison()->set_duration_s(0.02);
+    v1::ConstraintCount& count = *request.mutable_comparison()->add_constraints();
+    count.set_kind(kind);
+    count.set_added(7);
+    v1::ReportStatusResponse response;
+    grpc::ClientContext context;
+    return mapping_->ReportStatus(&context, request, &response);
   }
 };
 
@@ -70,7 +76,7 @@ TEST_F(MetricsTest, EveryMapTellsOfItsNewestRevision) {
   Upload("yours", kAnna, 1, 7);
   Settle("mine");
   Settle("yours");
-  const std::string answer = Get(server_->metrics_port(), "/metrics");
+  const std::string answer = Scrape();
   EXPECT_THAT(answer, HasSubstr("200 OK"));
   for (const char* line : {
            "# TYPE overtone_loop_closures gauge",
@@ -92,9 +98,114 @@ TEST_F(MetricsTest, EveryMapTellsOfItsNewestRevision) {
 }
 
 TEST_F(MetricsTest, WithoutMapsThereIsNothingToTell) {
-  const std::string answer = Get(server_->metrics_port(), "/metrics");
+  const std::string answer = Scrape();
   EXPECT_THAT(answer, HasSubstr("200 OK"));
   EXPECT_THAT(answer, Not(HasSubstr("{map=")));
+}
+
+TEST_F(MetricsTest, CallsAreCountedByMethodAndCode) {
+  Upload("mine", kAnna, 2, 5);
+  v1::GetGraphRequest request;
+  request.set_map("nowhere");
+  for (int i = 0; i < 3; ++i) {
+    grpc::ClientContext context;
+    v1::GetGraphResponse response;
+    EXPECT_EQ(mapping_->GetGraph(&context, request, &response).error_code(),
+              grpc::StatusCode::NOT_FOUND);
+  }
+  const std::string answer =
+      ScrapeWhen("overtone_rpc_in_progress{method=\"MappingService/UploadSubmaps\"} 0\n");
+  for (const char* line : {
+           "overtone_rpc_started_total{method=\"MappingService/GetGraph\"} 3\n",
+           "overtone_rpc_handled_total{method=\"MappingService/GetGraph\",code=\"NOT_FOUND\"} 3\n",
+           "overtone_rpc_duration_seconds_count{method=\"MappingService/GetGraph\","
+           "code=\"NOT_FOUND\"} 3\n",
+           "overtone_rpc_duration_seconds_bucket{method=\"MappingService/GetGraph\","
+           "code=\"NOT_FOUND\",le=\"+Inf\"} 3\n",
+           "overtone_rpc_handled_total{method=\"MappingService/UploadSubmaps\",code=\"OK\"} 1\n",
+           "overtone_rpc_started_total{method=\"MapAdminService/DeleteMap\"} 0\n",
+       }) {
+    EXPECT_THAT(answer, HasSubstr(line));
+  }
+  EXPECT_THAT(answer,
+              Not(HasSubstr("overtone_rpc_handled_total{method=\"MapAdminService/DeleteMap")));
+}
+
+TEST_F(MetricsTest, AStreamIsInProgressUntilItEnds) {
+  {
+    Uploader uploader(*mapping_, "mine", kAnna);
+    ASSERT_TRUE(uploader.Read().has_ready());
+    EXPECT_THAT(Scrape(),
+                HasSubstr("overtone_rpc_in_progress{method=\"MappingService/UploadSubmaps\"} 1\n"));
+  }  // cancelled
+  ScrapeWhen("overtone_rpc_in_progress{method=\"MappingService/UploadSubmaps\"} 0\n");
+  // Half-closed or cancelled, as the server comes to see it.
+  ScrapeWhen("overtone_rpc_handled_total{method=\"MappingService/UploadSubmaps\",code=\"");
+}
+
+TEST_F(MetricsTest, EachRevisionHasItsStagesAndTheStoreItsCommits) {
+  Upload("mine", kAnna, 2, 5);
+  Settle("mine");
+  v1::ListRevisionsRequest request;
+  request.set_map("mine");
+  const auto revisions =
+      Call<v1::ListRevisionsResponse>(&v1::MapAdminService::Stub::ListRevisions, request);
+  ASSERT_GT(revisions.revisions_size(), 0);
+  const v1::Revision& newest = revisions.revisions(0);
+  std::vector<std::string> stages;
+  for (const v1::StageTime& stage : newest.stages()) {
+    stages.push_back(stage.stage());
+    EXPECT_GE(stage.seconds(), 0) << stage.stage();
+    EXPECT_LT(stage.seconds(), 60) << stage.stage();
+  }
+  EXPECT_THAT(stages, ElementsAre("intake", "optimise", "snapshot", "store", "publish"));
+  EXPECT_DOUBLE_EQ(newest.stages(1).seconds(), newest.optimisation_s());
+  const std::string answer = Scrape();
+  for (const std::string& stage : stages) {
+    EXPECT_THAT(answer,
+                HasSubstr(absl::StrCat("overtone_cycle_stage_seconds_count{map=\"mine\",stage=\"",
+                                       stage, "\"} ", revisions.revisions_size(), "\n")));
+  }
+  EXPECT_THAT(answer, HasSubstr("overtone_store_errors_total{map=\"mine\"} 0\n"));
+  EXPECT_THAT(answer, HasSubstr("overtone_components{map=\"mine\"} 1\n"));
+  EXPECT_THAT(answer, HasSubstr("overtone_queue_depth{map=\"mine\",queue=\"store\"} 0\n"));
+  EXPECT_THAT(answer, Not(HasSubstr("overtone_store_commit_seconds_count{map=\"mine\"} 0\n")));
+}
+
+TEST_F(MetricsTest, RobotsAreToldOfAsTheyReport) {
+  Upload("mine", kAnna, 1, 5);
+  ASSERT_TRUE(Report("mine", v1::CONSTRAINT_KIND_MID).ok());
+  ASSERT_TRUE(Report("mine", v1::CONSTRAINT_KIND_MID).ok());
+  // A kind that this server does not know.
+  ASSERT_TRUE(Report("mine", static_cast<v1::ConstraintKind>(77)).ok());
+  const std::string answer =
+      ScrapeWhen("overtone_robot_uploading{map=\"mine\",robot=\"anna\"} 0\n");
+  for (const char* line : {
+           "overtone_robot_outbox_bytes{map=\"mine\",robot=\"anna\"} 4096\n",
+           "overtone_robot_outbox_submaps{map=\"mine\",robot=\"anna\"} 2\n",
+           "overtone_robot_clock_offset_seconds{map=\"mine\",robot=\"anna\"} -0.25\n",
+           "overtone_robot_constraints_total{map=\"mine\",robot=\"anna\",kind=\"mid\"} 14\n",
+           "overtone_robot_constraints_total{map=\"mine\",robot=\"anna\",kind=\"unspecified\"} 7\n",
+           "overtone_robot_constraints_total{map=\"mine\",robot=\"anna\",kind=\"small\"} 0\n",
+           "overtone_comparison_seconds_count{map=\"mine\"} 3\n",
+           "overtone_robot_watching{map=\"mine\",robot=\"anna\"} 0\n",
+       }) {
+    EXPECT_THAT(answer, HasSubstr(line));
+  }
+}
+
+TEST_F(MetricsTest, ADeletedMapIsNotToldOfAnyMore) {
+  Upload("mine", kAnna, 1, 5);
+  Upload("yours", kAnna, 1, 5);
+  ASSERT_TRUE(Report("mine", v1::CONSTRAINT_KIND_MID).ok());
+  EXPECT_THAT(Scrape(), HasSubstr("{map=\"mine\""));
+  v1::DeleteMapRequest request;
+  request.set_map("mine");
+  Call<v1::DeleteMapResponse>(&v1::MapAdminService::Stub::DeleteMap, request);
+  const std::string answer = Scrape();
+  EXPECT_THAT(answer, Not(HasSubstr("{map=\"mine\"")));
+  EXPECT_THAT(answer, HasSubstr("overtone_revision{map=\"yours\"}"));
+  EXPECT_THAT(answer, HasSubstr("overtone_maps 1\n"));
 }
 
 TEST_F(MetricsTest, AnAddressThatCannotBeListenedOnIsNamed) {

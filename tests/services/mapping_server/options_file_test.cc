@@ -24,6 +24,11 @@ std::string Write(const std::string& text) {
   return path;
 }
 
+absl::Status Read(const std::string& path, ServerOptions& options) {
+  OptionSources sources;
+  return ReadOptionsFile(path, options, sources);
+}
+
 TEST(OptionsFile, TheDefaultsAreValid) {
   const absl::Status status = ServerOptions().Validate();
   EXPECT_TRUE(status.ok()) << status;
@@ -54,12 +59,12 @@ TEST(OptionsFile, TheDocumentedFileHoldsTheDefaultOfEveryOption) {
     absl::StrAppend(&text, section, section.empty() ? "" : ":\n", lines);
   }
   ServerOptions options;
-  absl::Status status = ReadOptionsFile(Write(text), options);
+  absl::Status status = Read(Write(text), options);
   ASSERT_TRUE(status.ok()) << status << "\n" << text;
   for (const auto& [key, value] : OptionValues(options)) EXPECT_NE(value, defaults.at(key)) << key;
 
-  status = ReadOptionsFile(
-      std::string(OVERTONE_SOURCE_DIR) + "/services/mapping_server/configs/default.yaml", options);
+  status = Read(std::string(OVERTONE_SOURCE_DIR) + "/services/mapping_server/configs/default.yaml",
+                options);
   ASSERT_TRUE(status.ok()) << status;
   EXPECT_EQ(OptionValues(options), defaults);
 }
@@ -92,6 +97,7 @@ TEST(OptionsFile, MistakesAreNamedWithTheirLine) {
       {"\nlimits:\n  max_maps: many\n", ":3: limits.max_maps has a value of the wrong type"},
       {"listen: [a, b]\n", ":1: listen has a value of the wrong type"},
       {"map:\n  robust: always\n", ":2: map.robust has a value of the wrong type"},
+      {"{{a: b}: c}\n", ":1: a key is not a word"},
       {"listen: a:1\nlisten: b:2\n", ":2: listen is given twice"},
       {"graph: 3\n", ":1: unknown key 'graph'"},
       {"\nlisten: a: b\n", "options.yaml:2: "},
@@ -99,13 +105,34 @@ TEST(OptionsFile, MistakesAreNamedWithTheirLine) {
   };
   for (const auto& bad : cases) {
     ServerOptions options;
-    const absl::Status status = ReadOptionsFile(Write(bad.text), options);
+    const absl::Status status = Read(Write(bad.text), options);
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << bad.text;
     EXPECT_THAT(std::string(status.message()), HasSubstr(bad.message));
   }
   ServerOptions options;
-  EXPECT_EQ(ReadOptionsFile("/nowhere.yaml", options).code(), absl::StatusCode::kNotFound);
-  EXPECT_TRUE(ReadOptionsFile(Write(""), options).ok());
+  EXPECT_EQ(Read("/nowhere.yaml", options).code(), absl::StatusCode::kNotFound);
+  EXPECT_TRUE(Read(Write(""), options).ok());
+}
+
+TEST(OptionsFile, AllMistakesAreNamedAtOnceAndEachOptionHasItsLine) {
+  ServerOptions options;
+  OptionSources sources;
+  const std::string path = Write(
+      "lissten: a:1\nlimits:\n  max_maps: many\n  max_missions_per_map: 5\n"
+      "data_dir:\n  here\n");
+  const absl::Status status = ReadOptionsFile(path, options, sources);
+  EXPECT_EQ(status.message(),
+            absl::StrCat(path, ":1: unknown key 'lissten'; did you mean 'listen'?\n", path,
+                         ":3: limits.max_maps has a value of the wrong type: not integer"));
+  EXPECT_EQ(sources.size(), 2u);
+  EXPECT_EQ(sources.at("limits.max_missions_per_map").place, path + ":4");
+  EXPECT_EQ(sources.at("data_dir").place, path + ":6");
+
+  std::string something_else;
+  for (int i = 0; i < 1000; ++i) absl::StrAppend(&something_else, "key", i, ": 1\n");
+  OptionSources none;
+  EXPECT_LT(ReadOptionsFile(Write(something_else), options, none).message().size(), 4000u);
+  EXPECT_TRUE(none.empty());
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ TEST_F(RobotQuotasTest, ANoisyRobotSlowsItselfAndNotItsNeighbour) {
       ASSERT_EQ(calm.Charge(100), absl::ZeroDuration()) << ms;
     }
   }
-  EXPECT_NEAR(noisy_messages, 20 + 10 * 10, 2);
+  EXPECT_NEAR(noisy_messages, 20 + 10 * 10, 5);  // what a pause leaves waiting
 }
 
 TEST_F(RobotQuotasTest, BytesCountAsWellAsMessages) {

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/services/mapping_server/suggestion.h"
+
+#include <string>
+#include <vector>
+
+#include "gtest/gtest.h"
+
+namespace overtone {
+namespace {
+
+TEST(Suggestion, EditDistanceCountsInsertionsDeletionsAndReplacements) {
+  EXPECT_EQ(EditDistance("", ""), 0);
+  EXPECT_EQ(EditDistance("", "abc"), 3);
+  EXPECT_EQ(EditDistance("kitten", "sitting"), 3);  // Levenshtein's textbook pair
+  EXPECT_EQ(EditDistance("sitting", "kitten"), 3);
+  EXPECT_EQ(EditDistance("ab", "ba"), 2);
+}
+
+TEST(Suggestion, TheNearestNameIsMeantAndNoneThatIsFarAway) {
+  const std::vector<std::string> known = {"listen", "graph.max_nodes", "quotas.max_streams",
+                                          "limits.max_maps"};
+  const struct {
+    std::string wanted, nearest;
+  } cases[] = {
+      {"lissten", "listen"},
+      {"graph.max_node", "graph.max_nodes"},
+      {"max_nodes", "graph.max_nodes"},              // without its section
+      {"limits.max_streams", "quotas.max_streams"},  // in another one
+      {"quota.max_stream", "quotas.max_streams"},
+      {"dashboard", ""},
+      {"", ""},
+  };
+  for (const auto& c : cases) EXPECT_EQ(NearestName(c.wanted, known), c.nearest) << c.wanted;
+  EXPECT_EQ(DidYouMean("listen"), "; did you mean 'listen'?");
+  EXPECT_EQ(DidYouMean(""), "");
+  EXPECT_EQ(NearestName("x", {}), "");
+}
+
+// As in the environment, where words are joined by underscores only.
+TEST(Suggestion, TheEndOfANameIsEnough) {
+  EXPECT_EQ(NearestName("MAX_STREAMS", {"LISTEN", "QUOTAS_MAX_STREAMS"}), "QUOTAS_MAX_STREAMS");
+  EXPECT_EQ(NearestName("REAMS", {"LISTEN", "QUOTAS_MAX_STREAMS"}), "");
+}
+
+}  // namespace
+}  // namespace overtone
