@@ -17,6 +17,6 @@ cmake --preset "$preset" -DOVERTONE_BUILD_TESTS=$tests -DCMAKE_DISABLE_PRECOMPIL
 cmake --build --preset "$preset" --parallel "$jobs" --target "$@"
 if [ $tests = ON ]; then
   cmake --build --preset "$preset" --parallel "$jobs"
-  ctest --test-dir "build/$preset" --output-on-failure --parallel "$jobs" -LE 'integration|fault|data|packaging|container'
+  ctest --test-dir "build/$preset" --output-on-failure --parallel "$jobs" -R '^(core|proto|client|cli|services)_' -LE 'integration|fault|data'
 fi
 ccache --show-stats | grep -i hits | head -n 1 || true
