@@ -4,13 +4,14 @@
 #   docker/install_packages.sh client server
 set -eu
 list=$(dirname "$0")/packages.txt
-[ $# -gt 0 ] || { echo "usage: $0 GROUP...   (groups: client server test sanitize lint)" >&2; exit 2; }
+[ $# -gt 0 ] || { echo "usage: $0 GROUP...   (groups: client server test sanitize lint prometheus container)" >&2; exit 2; }
 
 missing=""
 for group in "$@"; do
   for package in $(awk -v g="$group" '!/^#/ && $2 == g { print $1 }' "$list"); do
     # A newer npm that came with another Node.js serves as well as Debian's.
     [ "$package" = npm ] && command -v npm >/dev/null && continue
+    [ "$package" = docker-compose ] && docker compose version >/dev/null 2>&1 && continue # the plugin
     dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing="$missing $package"
   done
 done

@@ -7,8 +7,11 @@
 set -eu
 cd "$(dirname "$0")/.."
 docker/install_packages.sh client server test lint sanitize
+# Where a Docker engine answers, the images are built and used, too.
+! timeout 20 docker info >/dev/null 2>&1 || docker/install_packages.sh container
 
 proto/check.sh
+tests/k8s/install_schemas.sh
 git ls-files '*.cc' '*.h' | xargs clang-format --dry-run --Werror
 
 # Parallel compilations of gRPC code need about 1.5 GB each.

@@ -59,6 +59,7 @@ class Replay {
     }
     RETURN_IF_ERROR(CheckTlsFlags(tls_, address_));
     admin_ = std::make_unique<AdminClient>(address_, kAdminTimeout, tls_);
+    RETURN_IF_ERROR(DeleteOldMap());
     // What the map holds already, when it is one that exists.
     const absl::StatusOr<v1::MapSummary> map = admin_->GetMap(map_);
     if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
@@ -67,6 +68,12 @@ class Replay {
       closures_before_ = map->loop_closures();
     }
     return absl::OkStatus();
+  }
+
+  absl::Status DeleteOldMap() {
+    if (!options_.fresh) return absl::OkStatus();
+    const absl::Status deleted = admin_->DeleteMap(map_).status();
+    return absl::IsNotFound(deleted) ? absl::OkStatus() : deleted;
   }
 
   std::vector<std::string> ServerArguments() const {

@@ -158,6 +158,10 @@ void AddRunFlags(CLI::App* command, ReplayOptions* options) {
       ->group(group);
   command->add_option("--map", options->map, "Map to build [one of this run's own]")->group(group);
   command
+      ->add_flag("--fresh", options->fresh,
+                 "Delete --map first, where the server has it: whatever it holds is gone")
+      ->group(group);
+  command
       ->add_option("--speed", options->speed,
                    "Data seconds per second of wall time, 0: as fast as possible")
       ->check(CLI::NonNegativeNumber)

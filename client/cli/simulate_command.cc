@@ -2,16 +2,19 @@
 #include "overtone/client/cli/simulate_command.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "overtone/client/cli/exit_code.h"
 #include "overtone/client/cli/simulation_files.h"
+#include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 namespace {
@@ -25,6 +28,7 @@ struct SimulateOptions {
   std::optional<int> rings, columns;
   std::optional<double> vertical_fov_deg, horizontal_fov_deg, max_range_m, range_sigma_m;
   std::string out = "simulation";
+  bool keep = false;
 };
 
 void AddTeamFlags(CLI::App* command, SimulateOptions* options) {
@@ -158,9 +162,30 @@ void Report(const SimulatedFolder& robot) {
   std::cout << std::endl;
 }
 
+// To `out` at once or not at all, where an interrupted one must not stand in the way of the next.
+absl::Status WriteWhole(const SimulateOptions& options) {
+  const std::string draft = options.out + ".part";
+  std::error_code error;
+  std::filesystem::remove_all(draft, error);
+  RETURN_IF_ERROR(WriteSimulation(ScenarioOf(options), LidarOf(options), draft, Report).status());
+  std::filesystem::rename(draft, options.out, error);
+  if (!error) return absl::OkStatus();
+  return absl::UnavailableError(absl::StrCat("cannot write ", options.out, ": ", error.message()));
+}
+
+absl::Status Write(const SimulateOptions& options) {
+  if (options.keep) return WriteWhole(options);
+  return WriteSimulation(ScenarioOf(options), LidarOf(options), options.out, Report).status();
+}
+
 int Run(const SimulateOptions& options) {
-  const auto written = WriteSimulation(ScenarioOf(options), LidarOf(options), options.out, Report);
-  if (!written.ok()) return Fail("simulate", written.status());
+  std::error_code error;
+  if (options.keep && std::filesystem::exists(options.out + "/scenario.json", error)) {
+    std::cout << options.out << " is there already\n";
+    return 0;
+  }
+  const absl::Status written = Write(options);
+  if (!written.ok()) return Fail("simulate", written);
   std::cout << "Written to " << options.out << "\n";
   return 0;
 }
@@ -186,6 +211,8 @@ void AddSimulateCommand(CLI::App* app, std::function<int()>* run) {
   AddSensorFlags(command, options.get());
   command->add_option("--out", options->out, "Folder to write to, new or empty")
       ->capture_default_str();
+  command->add_flag("--keep", options->keep,
+                    "Leave the folder as it is where a simulation is there already");
   command->callback([options, run] { *run = [options] { return Run(*options); }; });
 }
 

@@ -138,6 +138,24 @@ TEST_F(ReplayTest, AnInterruptEndsEverythingInGoodOrder) {
   EXPECT_THAT(ReadFile(folder_ + "/server.log"), HasSubstr("shutting down"));
 }
 
+// Not fresh, the map has these missions already and never gets what the second replay waits for.
+TEST_F(ReplayTest, BeginsAMapAnewWhenItIsToBeFresh) {
+  const auto server =
+      ChildProcess::Start({"server",
+                           {OVERTONE_SERVER, "--listen", "127.0.0.1:0", "--data-dir", ":memory:"},
+                           folder_ + "/server.txt"});
+  ASSERT_TRUE(server.ok()) << server.status();
+  const auto line = (*server)->ReadLine(absl::Minutes(1), NotInterrupted);
+  ASSERT_TRUE(line.ok()) << line.status();
+  const std::string address = line->substr(line->rfind(' ') + 1);
+  for (int i = 0; i < 2; ++i) {
+    const auto child = Start({"--dataset", "example", "--example-duration", "40", "--server",
+                              address, "--map", "again", "--fresh", "--timeout", "60"});
+    ASSERT_NE(child, nullptr);
+    EXPECT_EQ(Wait(child.get()).message(), "replay ended with exit code 0") << ReadFile(log_path());
+  }
+}
+
 TEST_F(ReplayTest, WrongInputIsSaidInOneSentence) {
   const auto child = Start({"--dataset", "tum", "--robot", "a:/nowhere.tum"});
   ASSERT_NE(child, nullptr);

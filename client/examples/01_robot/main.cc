@@ -2,7 +2,7 @@
 // A complete robot. It drives a circle with an odometry that turns 0.4 degrees too far every metre,
 // uploads what it drove, recognises the place where it began, and lets the server's constraints
 // correct its trajectory.
-//   robot [host:port]
+//   robot [host:port [ca.crt robot-robot.crt robot-robot.key]]
 #include <cstdlib>
 #include <iostream>
 
@@ -42,6 +42,11 @@ int main(int argc, char** argv) {
   Estimator estimator;
   overtone::MappingClientOptions options;
   if (argc > 1) options.server = argv[1];
+  if (argc > 4) {  // what `overtone certs --robot robot` has written
+    options.tls.ca_file = argv[2];
+    options.tls.certificate_file = argv[3];
+    options.tls.key_file = argv[4];
+  }
   options.mission = {"robot", "circle"};
   options.min_time_between_comparisons = absl::InfiniteDuration();  // only when we ask for it
   options.synchronization.selection.strategy =

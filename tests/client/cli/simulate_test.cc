@@ -204,6 +204,26 @@ TEST(Simulate, AFolderWithSomethingInItIsLeftAlone) {
   EXPECT_EQ(FilesOf(out.path()).size(), 1u);
 }
 
+TEST(Simulate, KeepsWhatIsThereWholeAndMakesAnewWhatWasInterrupted) {
+  const TemporaryFolder out("simulate_keep"), draft("simulate_keep.part");
+  fs::create_directories(draft.path() + "/robot9");
+  ASSERT_EQ(RunCommand(Small(out.path(), {"--keep", "--seed=5"})), 0);
+  EXPECT_FALSE(fs::exists(draft.path()));
+  EXPECT_FALSE(fs::exists(out.path() + "/robot9"));
+  const std::map<std::string, std::string> files = FilesOf(out.path());
+  ASSERT_EQ(files.count("scenario.json"), 1u);
+  ASSERT_EQ(RunCommand(Small(out.path(), {"--keep", "--seed=6"})), 0);
+  EXPECT_EQ(FilesOf(out.path()), files);
+}
+
+TEST(Simulate, KeepingStillLeavesAFolderOfOtherThingsAlone) {
+  const TemporaryFolder out("simulate_keep_occupied"), draft("simulate_keep_occupied.part");
+  fs::create_directories(out.path());
+  std::ofstream(out.path() + "/precious") << "1";
+  EXPECT_EQ(RunCommand(Small(out.path(), {"--keep"})), 1);
+  EXPECT_EQ(FilesOf(out.path()).size(), 1u);
+}
+
 TEST(Simulate, WrongOptionsAreRefusedBeforeAnythingIsWritten) {
   const TemporaryFolder out("simulate_refused");
   EXPECT_EQ(RunCommand(Small(out.path(), {"--scenario=moon"})), -1);
