@@ -21,7 +21,7 @@ import { World } from './view/world.js';
 
 class Page {
   #config = null;
-  #hasLooked = false; // at the whole of it, once it was there
+  #size = 0; // of what is looked at, metres
   #past = 0; // counts requests, so that a late answer is not shown
 
   constructor() {
@@ -41,6 +41,7 @@ class Page {
     this.#addPointer();
     this.stage.onDraw(() => this.#showScale());
     this.legend.applyAll();
+    this.#keepClearOfLegend();
     this.#listen();
   }
 
@@ -89,8 +90,17 @@ class Page {
     if (this.model.past) return;
     if (this.world.place()) this.#redrawAll();
     else this.#redraw(changed);
-    if (!this.#hasLooked && changed.length > 0) this.lookAtAll({ animate: false, fromAbove: false });
-    this.#hasLooked ||= changed.length > 0;
+    if (changed.length > 0) this.#followGrowth();
+  }
+
+  // Keeps all of a growing map in view until somebody looks elsewhere.
+  #followGrowth() {
+    const box = this.world.box();
+    const size = box.isEmpty ? 0 : Math.hypot(...[0, 1, 2].map((axis) => box.size(axis)));
+    if (this.stage.touched || size < 1.1 * this.#size) return;
+    const isFirst = this.#size === 0;
+    this.#size = size;
+    this.lookAtAll({ animate: !isFirst });
   }
 
   #takeDiscrepancy(frame) {
@@ -188,10 +198,12 @@ class Page {
   }
 
   lookAtAll(options) {
+    if (this.world.selectedRobot !== null) this.stage.touched = true;
     this.stage.fit(this.world.box(this.world.selectedRobot), options);
   }
 
   lookAtClosure(id) {
+    this.stage.touched = true;
     this.stage.fit(this.world.boxOfClosure(id));
   }
 
@@ -222,6 +234,18 @@ class Page {
       const id = this.world.pick(event.clientX - box.left, event.clientY - box.top, (key) => this.legend.isShown(key));
       this.selectClosure(id);
     });
+  }
+
+  #keepClearOfLegend() {
+    const details = byId('legend').querySelector('details');
+    const apply = () => {
+      const view = byId('view').clientWidth;
+      const width = details.open ? byId('legend').offsetWidth : 0;
+      this.stage.setInset(width < view / 2 ? width : 0);
+    };
+    details.addEventListener('toggle', apply);
+    addEventListener('resize', apply);
+    apply();
   }
 
   #showScale() {

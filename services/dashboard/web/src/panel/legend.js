@@ -27,7 +27,7 @@ export class Legend {
     this.scale = make('div', { class: 'heat-scale' });
     this.band = make('select', { 'aria-label': 'Band of the discrepancy', onchange: () => actions.onBand(this.band.value) },
       ...BANDS.map(([value, name]) => make('option', { value }, name)));
-    this.heat = make('div', { class: 'heat' }, this.scale, this.band);
+    this.heat = make('div', { class: 'heat-control' }, this.scale, this.band);
     this.note = make('small', { class: 'note', role: 'status' });
     const closures = VERDICT_GROUPS.map((group) => this.#entry(group.key, `closures ${group.name}`, 1.8, shapeIcon(group.shape, group.key)));
     byId('legend').append(make('details', { open: innerHeight > 620 }, make('summary', {}, 'Layers'), make('div', { class: 'entries' },

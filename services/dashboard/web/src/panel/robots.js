@@ -25,7 +25,7 @@ function backlog(robot) {
   const waiting = link.submaps_waiting + link.blobs_waiting;
   const dropped = link.clouds_dropped ? `${format.count(link.clouds_dropped)} lost` : '';
   if (waiting === 0) return ['none', dropped];
-  return [format.bytes(link.bytes_waiting), dropped || `${format.count(link.submaps_waiting)} submaps, ${format.count(link.blobs_waiting)} clouds`];
+  return [format.bytes(link.bytes_waiting), dropped || `${format.count(waiting)} waiting`];
 }
 
 function clock(robot) {
@@ -62,7 +62,7 @@ class Row {
     this.swatch.style.background = colour;
     this.name.setAttribute('aria-pressed', selected);
     this.element.classList.toggle('selected', selected);
-    this.cells[0][1].textContent = `${format.count(robot.keyframes)} nodes${apart ? `, ${apart} of ${missions.length} missions not in the map` : ''}`;
+    this.cells[0][1].textContent = apart === 0 ? `${format.count(robot.keyframes)} nodes` : apart === missions.length ? 'not in the map' : `${apart} of ${missions.length} not in the map`;
     const state = linkState(robot);
     this.#set(1, `${state.sign} ${state.text}`, state.more);
     this.cells[1][0].className = state.kind;

@@ -3,6 +3,7 @@
 import { BufferAttribute, BufferGeometry, Color, LineBasicMaterial, LineDashedMaterial, LineSegments, Sphere } from 'three';
 
 const SQUARES = 40;
+const PIECE = 4; // squares
 const SQUARE_PX = 90;
 const COLOURS = { light: ['#e1e6ea', '#9aa5af'], dark: ['#1f272e', '#5b6873'] };
 
@@ -61,8 +62,13 @@ export class GroundLayer {
     const reach = SQUARES * step;
     const positions = [];
     for (let i = -SQUARES; i <= SQUARES; ++i) {
-      positions.push(x + i * step, y - reach, this.#height, x + i * step, y + reach, this.#height);
-      positions.push(x - reach, y + i * step, this.#height, x + reach, y + i * step, this.#height);
+      const at = i * step;
+      // In pieces: lines that begin far behind the camera are not drawn everywhere.
+      for (let from = -reach; from < reach; from += PIECE * step) {
+        const to = from + PIECE * step;
+        positions.push(x + at, y + from, this.#height, x + at, y + to, this.#height);
+        positions.push(x + from, y + at, this.#height, x + to, y + at, this.#height);
+      }
     }
     setLines(this.grid, positions);
   }

@@ -1,18 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 // The camera and what moves it. Draws when something changed and not otherwise.
-import { Color, MOUSE, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
+import { Color, ColorManagement, LinearSRGBColorSpace, MOUSE, PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
 const TURN_RAD = Math.PI / 24;
 const MOVE = 0.08; // of the distance to what is looked at
 const ZOOM = 0.82;
 const GLIDE_MS = 350;
+const FREE_SHARE = 0.8; // of the view: labels and the slider need some
+
+ColorManagement.enabled = false; // colours are those of the page's palette, as written
 
 export class Stage {
   #dirty = true;
   #glide = null;
   #resized = [];
   #drawn = [];
+  #inset = 0;
+
+  touched = false; // somebody looks where they want to
 
   constructor(host) {
     this.host = host;
@@ -21,6 +27,7 @@ export class Stage {
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(0, -60, 60);
     this.renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     host.append(this.renderer.domElement);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -29,12 +36,17 @@ export class Stage {
     this.controls.screenSpacePanning = false;
     this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
     this.controls.addEventListener('change', () => this.invalidate());
-    this.controls.addEventListener('start', () => { this.#glide = null; });
+    this.controls.addEventListener('start', () => this.#touch());
     new ResizeObserver(() => this.#resize()).observe(host);
     host.addEventListener('keydown', (event) => this.#key(event));
     this.renderer.domElement.addEventListener('webglcontextrestored', () => this.invalidate());
     this.#resize();
     this.#loop();
+  }
+
+  #touch() {
+    this.touched = true;
+    this.#glide = null;
   }
 
   onResize(call) {
@@ -44,6 +56,12 @@ export class Stage {
 
   onDraw(call) {
     this.#drawn.push(call);
+  }
+
+  /** Pixels at the left that something covers: what is looked at stands in the middle of the rest. */
+  setInset(pixels) {
+    this.#inset = pixels;
+    this.#resize();
   }
 
   invalidate() {
@@ -74,13 +92,25 @@ export class Stage {
   fit(box, { fromAbove = false, animate = true } = {}) {
     if (box.isEmpty) return;
     const centre = new Vector3(...box.min).add(new Vector3(...box.max)).multiplyScalar(0.5);
-    const radius = Math.max(3, 0.5 * Math.hypot(...[0, 1, 2].map((k) => box.size(k))));
-    const half = (this.camera.fov * Math.PI) / 360;
-    const narrow = Math.min(1, this.camera.aspect);
     const direction = fromAbove ? new Vector3(0, -1e-3, 1)
       : new Vector3().subVectors(this.camera.position, this.controls.target);
-    direction.normalize().multiplyScalar((1.05 * radius) / Math.sin(Math.atan(Math.tan(half) * narrow)));
+    direction.normalize().multiplyScalar(this.#distanceToSee(box, centre, direction));
     this.#glideTo(centre.clone().add(direction), centre, animate);
+  }
+
+  // From `centre` along `direction`, so that every corner of the box is within the free part of the view.
+  #distanceToSee(box, centre, direction) {
+    const right = new Vector3().crossVectors(this.camera.up, direction).normalize();
+    const up = new Vector3().crossVectors(direction, right);
+    const tall = FREE_SHARE * Math.tan((this.camera.fov * Math.PI) / 360);
+    const wide = (tall * (this.host.clientWidth - this.#inset)) / this.host.clientHeight;
+    let distance = 5;
+    for (let corner = 0; corner < 8; ++corner) {
+      const point = new Vector3(...[0, 1, 2].map((k) => ((corner >> k) & 1 ? box.max : box.min)[k])).sub(centre);
+      const spread = Math.max(Math.abs(point.dot(right)) / wide, Math.abs(point.dot(up)) / tall);
+      distance = Math.max(distance, spread + point.dot(direction));
+    }
+    return distance;
   }
 
   #glideTo(position, target, animate) {
@@ -127,7 +157,7 @@ export class Stage {
     const [width, height] = [Math.max(1, this.host.clientWidth), Math.max(1, this.host.clientHeight)];
     this.renderer.setSize(width, height);
     this.camera.aspect = width / height;
-    this.camera.updateProjectionMatrix();
+    this.camera.setViewOffset(width, height, -this.#inset / 2, 0, width, height);
     for (const call of this.#resized) call(width, height);
     this.invalidate();
   }
@@ -141,6 +171,7 @@ export class Stage {
     } else if (event.key === '+' || event.key === '=') this.zoom(ZOOM);
     else if (event.key === '-') this.zoom(1 / ZOOM);
     else return;
+    this.#touch();
     event.preventDefault();
   }
 

@@ -36,7 +36,7 @@ export class World {
     this.constraints = new SegmentLayer(root, { width: 1.6, dash: [3, 3], opacity: 0.9, order: 4 });
     this.closures = new Map(VERDICT_GROUPS.map((group) => [group.key, {
       lines: new SegmentLayer(root, { width: group.key === 'used' ? 1.4 : 1.8, dash: group.dash, opacity: group.key === 'used' ? 0.6 : 0.9, order: 5 }),
-      markers: new MarkerLayer(root, group.shape, 11, 7),
+      markers: new MarkerLayer(root, group.shape, group.key === 'used' ? 5 : 12, 7),
     }]));
     this.chosen = new SegmentLayer(root, { width: 5, order: 6 });
     this.robots = new MarkerLayer(root, 'robot', 17, 8);
@@ -123,6 +123,7 @@ export class World {
       component: mission.component, anchored: mission.anchored, box: this.model.box(mission.number),
     })));
     this.ground.setFrames(this.layout.frames);
+    if (!this.layout.map.isEmpty) this.ground.setHeight(this.layout.map.min[2]);
     return before !== JSON.stringify(this.layout.frames);
   }
 
