@@ -73,6 +73,11 @@ void DashboardServer::Parts::ConfigureHttp() {
   http.set_read_timeout(kIoTimeoutS);
   http.set_write_timeout(kIoTimeoutS);
   http.set_tcp_nodelay(true);
+  // The library's own options would let two processes listen on one port.
+  http.set_socket_options([](socket_t socket) {
+    const int yes = 1;
+    setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  });
   http.set_default_headers(SecurityHeaders());
   http.set_pre_routing_handler(
       [this](const httplib::Request& request, httplib::Response& response) {

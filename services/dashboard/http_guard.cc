@@ -23,8 +23,11 @@ const char kContentSecurityPolicy[] =
 
 std::string HostName(absl::string_view host_header) {
   absl::string_view name = host_header;
-  if (!name.empty() && name.front() == '[') {
-    name = name.substr(1, name.find(']') - 1);
+  const size_t bracket = name.find(']');
+  if (!name.empty() && name.front() == '[' && bracket != absl::string_view::npos) {
+    const absl::string_view rest = name.substr(bracket + 1);
+    // What is no address with a port stays whole, and is then nobody's name.
+    if (rest.empty() || rest.front() == ':') name = name.substr(1, bracket - 1);
   } else {
     name = name.substr(0, name.rfind(':'));
   }

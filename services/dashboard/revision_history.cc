@@ -43,7 +43,7 @@ void RevisionHistory::MakeRoom() {
     std::vector<SeenRevision> kept;
     const size_t older_half = (seen_.size() + 1) / 2;
     for (size_t i = 0; i < seen_.size(); ++i) {
-      if (i < older_half && i % 2 == 0) {
+      if (i < older_half && i % 2 == 1) {  // the first one stays
         bytes_ -= seen_[i].frame->size();
       } else {
         kept.push_back(std::move(seen_[i]));

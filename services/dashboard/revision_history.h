@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The revisions that the dashboard saw, as frames of thinned positions (track_frame.h). Bounded in
-// bytes: when it is full, every second of the older half goes, so that it reaches further back the
-// coarser it gets.
+// bytes: when it is full, every second of the older half goes. So it always reaches back to the
+// first, the coarser the further.
 #ifndef OVERTONE_SERVICES_DASHBOARD_REVISION_HISTORY_H_
 #define OVERTONE_SERVICES_DASHBOARD_REVISION_HISTORY_H_
 

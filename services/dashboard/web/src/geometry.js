@@ -58,15 +58,6 @@ export class Box {
   }
 }
 
-/** The rows of a track as separate segments, a row's end being the next row's start; into `out` from `start`. */
-export function writeSegments(rows, out, start) {
-  const segments = Math.max(0, rows.length / 3 - 1);
-  for (let i = 0; i < segments; ++i) {
-    for (let k = 0; k < 6; ++k) out[start + 6 * i + k] = rows[3 * i + k];
-  }
-  return segments;
-}
-
 /** Screen distance of a point to a segment, all two numbers. */
 export function distanceToSegment(px, py, ax, ay, bx, by) {
   const length = (bx - ax) ** 2 + (by - ay) ** 2;

@@ -22,8 +22,8 @@ export function verdictGroup(verdict) {
 }
 
 const VERDICT_COLOURS = {
-  light: { used: '#2b3640', waiting: '#b87a00', refused: '#d55e00', vetoed: '#8b3f73' },
-  dark: { used: '#e8edf2', waiting: '#e69f00', refused: '#f07a2b', vetoed: '#cc79a7' },
+  light: { used: '#2b3640', waiting: '#b87a00', refused: '#a8320a', vetoed: '#8b3f73' },
+  dark: { used: '#e8edf2', waiting: '#e69f00', refused: '#f0622b', vetoed: '#cc79a7' },
 };
 
 // From the ground's own colour to full, lightness strictly monotone: read without any hue.

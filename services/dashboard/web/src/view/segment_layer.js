@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many polylines in one draw call. Every line has a slot of the shared arrays, so one that changed is written alone. Two objects share
-// the arrays: wide lines (instanced), and lines of one pixel for maps of so many segments that wide ones would cost the frame rate.
-import { BufferAttribute, BufferGeometry, InstancedInterleavedBuffer, InterleavedBufferAttribute, LineBasicMaterial, LineDashedMaterial,
-  LineSegments, Sphere } from 'three';
-import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
-import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
-import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
+// Many polylines in one draw call. Every line has a slot of the layer's arrays, so one that changed is written alone. Drawn as ribbons,
+// or as lines of one pixel where there are so many segments that ribbons would cost the frame rate.
+import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineDashedMaterial, LineSegments, Sphere } from 'three';
+import { Ribbon } from './ribbon.js';
 
 const MAX_WIDE_SEGMENTS = 40_000;
 const FOREVER = new Sphere(undefined, Infinity); // nothing is culled: one object holds everything
@@ -17,22 +14,22 @@ export class SegmentLayer {
   #dash;
   #drawn = null; // this.wide, this.thin or neither
 
-  /** @param {{width: number, dash?: number[], opacity?: number, order?: number}} style widths and dashes in pixels and metres */
+  /** @param {{width: number, dash?: number[], opacity?: number, order?: number}} style in pixels */
   constructor(parent, style) {
     this.#dash = style.dash ?? null;
     const common = { vertexColors: true, transparent: true, opacity: style.opacity ?? 1, depthWrite: false };
     const dashes = this.#dash ? { dashSize: this.#dash[0], gapSize: this.#dash[1] } : {};
-    this.wide = new LineSegments2(new LineSegmentsGeometry(),
-      new LineMaterial({ ...common, ...dashes, linewidth: style.width, dashed: Boolean(this.#dash) }));
+    this.wide = new Ribbon(style.width, style.opacity ?? 1, this.#dash);
     this.thin = new LineSegments(new BufferGeometry(),
       this.#dash ? new LineDashedMaterial({ ...common, ...dashes }) : new LineBasicMaterial(common));
-    for (const object of [this.wide, this.thin]) {
-      object.frustumCulled = false;
+    this.thin.frustumCulled = false;
+    for (const object of [this.wide.mesh, this.thin]) {
       object.renderOrder = style.order ?? 0;
       parent.add(object);
     }
     this.visible = true;
     this.#allocate(64);
+    this.#choose();
   }
 
   get segments() {
@@ -45,11 +42,13 @@ export class SegmentLayer {
   }
 
   setDashScale(scale) {
-    if (this.#dash) this.wide.material.dashScale = this.thin.material.scale = scale;
+    if (!this.#dash) return;
+    this.wide.setScale(scale);
+    this.thin.material.scale = scale;
   }
 
-  setOpacity(opacity) {
-    this.wide.material.opacity = this.thin.material.opacity = opacity;
+  get isDashed() {
+    return this.#dash !== null;
   }
 
   /** @param rows polyline of x y z rows @param colours r g b rows, or one r g b for all */
@@ -156,23 +155,8 @@ export class SegmentLayer {
     this.positions = new Float32Array(6 * capacity);
     this.colours = new Float32Array(6 * capacity);
     this.distances = this.#dash ? new Float32Array(2 * capacity) : null;
-    this.#allocateWide();
+    this.#drawn = null; // whichever it will be takes over all of it
     this.#allocateThin();
-  }
-
-  #allocateWide() {
-    this.wide.geometry.dispose();
-    const geometry = new LineSegmentsGeometry();
-    const pair = (array, size, first, second) => {
-      const buffer = new InstancedInterleavedBuffer(array, 2 * size, 1);
-      geometry.setAttribute(first, new InterleavedBufferAttribute(buffer, size, 0));
-      geometry.setAttribute(second, new InterleavedBufferAttribute(buffer, size, size));
-      return buffer;
-    };
-    this.wideBuffers = [pair(this.positions, 3, 'instanceStart', 'instanceEnd'), pair(this.colours, 3, 'instanceColorStart', 'instanceColorEnd')];
-    if (this.#dash) this.wideBuffers.push(pair(this.distances, 1, 'instanceDistanceStart', 'instanceDistanceEnd'));
-    geometry.boundingSphere = FOREVER;
-    this.wide.geometry = geometry;
   }
 
   #allocateThin() {
@@ -191,32 +175,27 @@ export class SegmentLayer {
 
   // Only what changed goes to the graphics card, and only for what is drawn: the renderer forgets ranges when it has sent them.
   #upload(start, count) {
-    this.#buffers().forEach((buffer, i) => {
+    if (this.#drawn === this.wide) this.wide.write(this, start, count);
+    if (this.#drawn !== this.thin) return;
+    this.thinBuffers.forEach((buffer, i) => {
       const size = i === 2 ? 2 : 6;
       buffer.addUpdateRange(size * start, size * count);
       buffer.needsUpdate = true;
     });
   }
 
-  #buffers() {
-    if (this.#drawn === null) return [];
-    return this.#drawn === this.wide ? this.wideBuffers : this.thinBuffers;
-  }
-
   #choose() {
     let end = 0;
     for (const slot of this.#slots.values()) end = Math.max(end, slot.start + slot.capacity);
-    this.wide.geometry.instanceCount = end;
-    this.thin.geometry.setDrawRange(0, 2 * end);
     const shown = this.visible && this.#used > 0;
     const drawn = shown ? (this.#used <= MAX_WIDE_SEGMENTS ? this.wide : this.thin) : null;
     if (drawn !== this.#drawn) {
       this.#drawn = drawn;
-      for (const buffer of this.#buffers()) {
-        buffer.clearUpdateRanges(); // all of it
-        buffer.needsUpdate = true;
-      }
+      if (drawn === this.thin) this.thinBuffers.forEach((buffer) => buffer.clearUpdateRanges());
+      this.#upload(0, end);
     }
+    this.wide.setCount(end);
+    this.thin.geometry.setDrawRange(0, 2 * end);
     this.wide.visible = drawn === this.wide;
     this.thin.visible = drawn === this.thin;
   }
