@@ -11,7 +11,8 @@ namespace overtone {
 namespace {
 
 // Approximate minimum degree: block row -> place in the order of elimination.
-std::vector<int> EliminationOrder(int num_blocks, const std::vector<std::pair<int, int>>& couplings) {
+std::vector<int> EliminationOrder(int num_blocks,
+                                  const std::vector<std::pair<int, int>>& couplings) {
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(couplings.size() + num_blocks);
   for (const auto& [a, b] : couplings) entries.emplace_back(std::max(a, b), std::min(a, b), 1);

@@ -37,8 +37,9 @@ class BlockCholesky {
   void Eliminate(int column);
 
   // Everything below goes by the order of elimination.
-  std::vector<int> position_;            // block row as given -> place in the order
-  std::vector<std::vector<int>> below_;  // per column: rows of the blocks below the diagonal, sorted
+  std::vector<int> position_;  // block row as given -> place in the order
+  std::vector<std::vector<int>>
+      below_;  // per column: rows of the blocks below the diagonal, sorted
   std::vector<Matrix6d> diagonal_;
   std::vector<std::vector<Matrix6d>> blocks_;  // per column, beside below_
 };

@@ -39,10 +39,10 @@ class ChainSmoother {
   void AddChord(const EndChord& c, Eigen::VectorXd& right_side);
 
   const std::vector<OdometryStep>& odometry_;
-  std::vector<int> ends_;  // increasing; ends_[0] is the fixed first pose
+  std::vector<int> ends_;                   // increasing; ends_[0] is the fixed first pose
   std::vector<OdometryStretch> stretches_;  // k: from ends_[k] to ends_[k + 1]
   std::vector<EndChord> chords_;
-  std::vector<StepState> steps_;   // per pose up to the last end; [0] is not used
+  std::vector<StepState> steps_;    // per pose up to the last end; [0] is not used
   std::vector<Rigid3d> end_poses_;  // seen from the first
   BlockCholesky normal_equations_;  // over the ends but the first
 };
@@ -188,7 +188,8 @@ int64_t ChainSmoother::FactorNonZeros() const {
     const int64_t inside = stretches_[k].end - stretches_[k].begin - 1;
     count += inside * (kDiagonal + (k == 0 ? kBlock : 2 * kBlock));
   }
-  const int64_t behind = static_cast<int64_t>(odometry_.size()) - static_cast<int64_t>(steps_.size());
+  const int64_t behind =
+      static_cast<int64_t>(odometry_.size()) - static_cast<int64_t>(steps_.size());
   return count + behind * (kDiagonal + kBlock) - (ends_.size() == 1 && behind > 0 ? kBlock : 0);
 }
 
@@ -211,8 +212,7 @@ absl::StatusOr<ChainSmootherResult> SmoothChain(const std::vector<Rigid3d>& pose
     ++result.iterations;
     ASSIGN_OR_RETURN(const double promised, smoother.Solve());
     smoother.Move(1);
-    result.converged =
-        promised <= std::max(options.cost_tolerance, kRoundOff * result.final_cost);
+    result.converged = promised <= std::max(options.cost_tolerance, kRoundOff * result.final_cost);
     if (result.converged) break;
     double cost = smoother.Linearise();
     // Too far: halfway back, and again.

@@ -42,7 +42,7 @@ struct ChainSmootherResult {
 };
 
 struct ChainSmootherOptions {
-  int max_iterations = 20;
+  int max_iterations = 50;  // corrections of centimetres take three, of hundreds of metres ten
   // Stops with the step that promises to lower the cost by less: 1e-2 is 0.14 standard deviations
   // from the optimum before that step, and a small share of it behind it.
   double cost_tolerance = 1e-2;

@@ -35,12 +35,11 @@ double OdometryStretch::Condense(const std::vector<OdometryStep>& odometry,
 void OdometryStretch::Spread(const Vector6d& begin_moves, const Vector6d& end_moves,
                              const std::vector<OdometryStep>& odometry,
                              std::vector<StepState>& steps) const {
-  const Vector6d lambda =
-      information * (Adjoint(begin_from_end) * end_moves - begin_moves - drift);
+  const Vector6d lambda = information * (Adjoint(begin_from_end) * end_moves - begin_moves - drift);
   for (int i = begin + 1; i <= end; ++i) {
     StepState& step = steps[i];
-    step.change.noalias() = odometry[i].covariance.lazyProduct(
-        step.begin_from_step.TransposeTimes(lambda));
+    step.change.noalias() =
+        odometry[i].covariance.lazyProduct(step.begin_from_step.TransposeTimes(lambda));
     step.change -= step.error;
   }
 }

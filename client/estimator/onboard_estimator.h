@@ -37,8 +37,8 @@ class OnboardEstimator : public HostEstimator {
 
   int NumConstraints() const;
 
-  // Numbers in the Cholesky factor of the last smoothing (ChainSmootherResult::factor_non_zeros): how
-  // far constraints have cost the chain its locality. 0 before the first batch.
+  // Numbers in the Cholesky factor of the last smoothing (ChainSmootherResult::factor_non_zeros):
+  // how far constraints have cost the chain its locality. 0 before the first batch.
   int64_t FactorNonZeros() const;
 
  private:

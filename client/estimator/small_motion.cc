@@ -17,10 +17,11 @@ struct Coefficients {
 Coefficients CoefficientsOf(double x2) {
   constexpr double kSeriesBelow = 0.04;  // the next terms are 1e-15 of the sums
   if (x2 < kSeriesBelow) {
-    return {1. / 2 - x2 * (1. / 24 - x2 * (1. / 720 - x2 * (1. / 40320 - x2 / 3628800))),
-            1. / 6 - x2 * (1. / 120 - x2 * (1. / 5040 - x2 * (1. / 362880 - x2 / 39916800))),
-            1. / 24 - x2 * (1. / 720 - x2 * (1. / 40320 - x2 * (1. / 3628800 - x2 / 479001600))),
-            1. / 120 - x2 * (1. / 2520 - x2 * (1. / 120960 - x2 * (1. / 9979200 - x2 / 1245404160)))};
+    return {
+        1. / 2 - x2 * (1. / 24 - x2 * (1. / 720 - x2 * (1. / 40320 - x2 / 3628800))),
+        1. / 6 - x2 * (1. / 120 - x2 * (1. / 5040 - x2 * (1. / 362880 - x2 / 39916800))),
+        1. / 24 - x2 * (1. / 720 - x2 * (1. / 40320 - x2 * (1. / 3628800 - x2 / 479001600))),
+        1. / 120 - x2 * (1. / 2520 - x2 * (1. / 120960 - x2 * (1. / 9979200 - x2 / 1245404160)))};
   }
   const double x = std::sqrt(x2), sine = std::sin(x), cosine = std::cos(x);
   return {(1 - cosine) / x2, (x - sine) / (x2 * x), (x2 + 2 * cosine - 2) / (2 * x2 * x2),
