@@ -157,6 +157,8 @@ void AddRunFlags(CLI::App* command, ReplayOptions* options) {
       ->check(CLI::ExistingFile)
       ->group(group);
   command->add_option("--map", options->map, "Map to build [one of this run's own]")->group(group);
+  command->add_option("--mission", options->mission, "What to call each robot's mission [run]")
+      ->group(group);
   command
       ->add_option("--speed", options->speed,
                    "Data seconds per second of wall time, 0: as fast as possible")
