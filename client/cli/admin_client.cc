@@ -5,6 +5,8 @@
 
 #include "absl/strings/str_cat.h"
 #include "grpcpp/create_channel.h"
+#include "overtone/client/cli/health_check.h"
+#include "overtone/client/cli/server_error.h"
 #include "overtone/client/internal/channel_credentials.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/id_conversion.h"
@@ -20,6 +22,9 @@ constexpr int kMaxMessageBytes = 256 << 20;  // a trajectory of a million keyfra
 std::shared_ptr<grpc::Channel> CreateAdminChannel(const std::string& server, const TlsFiles& tls) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxMessageBytes);
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 200);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 200);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 1000);
   const auto credentials = MakeChannelCredentials(tls, &arguments);
   return grpc::CreateCustomChannel(server, credentials, arguments);
 }
@@ -28,18 +33,14 @@ void Prepare(grpc::ClientContext* context, absl::Duration timeout) {
   context->set_deadline(absl::ToChronoTime(absl::Now() + timeout));
 }
 
-absl::Status Named(const std::string& server, const grpc::Status& status) {
-  const absl::Status plain = FromGrpcStatus(status);
-  if (plain.ok()) return plain;
-  return absl::Status(plain.code(), absl::StrCat("server ", server, ": ", plain.message()));
-}
-
 }  // namespace
 
 AdminClient::AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls)
     : server_(std::move(server)),
       timeout_(timeout),
-      stub_(v1::MapAdminService::NewStub(CreateAdminChannel(server_, tls))) {}
+      tls_(tls),
+      channel_(CreateAdminChannel(server_, tls)),
+      stub_(v1::MapAdminService::NewStub(channel_)) {}
 
 template <typename Request, typename Response>
 absl::StatusOr<Response> AdminClient::Call(Method<Request, Response> method,
@@ -47,7 +48,7 @@ absl::StatusOr<Response> AdminClient::Call(Method<Request, Response> method,
   grpc::ClientContext context;
   Prepare(&context, timeout_);
   Response response;
-  RETURN_IF_ERROR(Named(server_, (stub_.get()->*method)(&context, request, &response)));
+  RETURN_IF_ERROR(ServerError(server_, tls_, (stub_.get()->*method)(&context, request, &response)));
   return response;
 }
 
@@ -75,7 +76,14 @@ absl::StatusOr<v1::MapSummary> AdminClient::GetMap(const std::string& map) {
   for (const v1::MapSummary& summary : maps) {
     if (summary.map() == map) return summary;
   }
-  return absl::NotFoundError(absl::StrCat("server ", server_, " has no map \"", map, "\""));
+  return ServerError(server_, tls_,
+                     {grpc::StatusCode::NOT_FOUND, absl::StrCat("map: there is no '", map, "'")});
+}
+
+absl::StatusOr<std::vector<v1::Robot>> AdminClient::ListRobots(const std::string& map) {
+  v1::ListRobotsRequest request;
+  request.set_map(map);
+  return AllPages(&v1::MapAdminService::Stub::ListRobots, request, &v1::ListRobotsResponse::robots);
 }
 
 absl::StatusOr<std::vector<v1::Mission>> AdminClient::ListMissions(const std::string& map) {
@@ -133,10 +141,12 @@ absl::StatusOr<v1::RollBackResponse> AdminClient::RollBack(const std::string& ma
 }
 
 absl::StatusOr<v1::GetTrajectoryResponse> AdminClient::GetTrajectory(const std::string& map,
-                                                                     const MissionId& mission) {
+                                                                     const MissionId& mission,
+                                                                     bool odometry) {
   v1::GetTrajectoryRequest request;
   request.set_map(map);
   *request.mutable_mission() = ToProto(mission);
+  request.set_odometry(odometry);
   return Call(&v1::MapAdminService::Stub::GetTrajectory, request);
 }
 
@@ -144,19 +154,40 @@ absl::StatusOr<v1::GetConfigurationResponse> AdminClient::GetConfiguration() {
   return Call(&v1::MapAdminService::Stub::GetConfiguration, v1::GetConfigurationRequest());
 }
 
-absl::Status AdminClient::ExportMap(const std::string& map, v1::ExportFormat format,
-                                    std::ostream* out) {
-  v1::ExportMapRequest request;
+absl::StatusOr<v1::StatusReport> AdminClient::GetStatusReport(const std::string& map,
+                                                              const MissionId& mission) {
+  v1::GetStatusReportRequest request;
   request.set_map(map);
-  request.set_format(format);
+  *request.mutable_mission() = ToProto(mission);
+  ASSIGN_OR_RETURN(const v1::GetStatusReportResponse response,
+                   Call(&v1::MapAdminService::Stub::GetStatusReport, request));
+  return response.report();
+}
+
+absl::Status AdminClient::ExportMap(
+    const v1::ExportMapRequest& request,
+    const std::function<absl::Status(const std::string& chunk)>& take) {
   grpc::ClientContext context;
   Prepare(&context, timeout_);
   const auto reader = stub_->ExportMap(&context, request);
   v1::ExportMapResponse response;
-  while (reader->Read(&response)) out->write(response.chunk().data(), response.chunk().size());
-  RETURN_IF_ERROR(Named(server_, reader->Finish()));
-  if (!out->flush()) return absl::UnavailableError("the file cannot be written");
-  return absl::OkStatus();
+  absl::Status taken;
+  while (reader->Read(&response)) {
+    if (!taken.ok()) continue;  // cancelled, and the rest is of no interest
+    taken = take(response.chunk());
+    if (!taken.ok()) context.TryCancel();
+  }
+  const grpc::Status status = reader->Finish();
+  RETURN_IF_ERROR(taken);
+  return ServerError(server_, tls_, status);
+}
+
+absl::StatusOr<std::string> AdminClient::Health(const std::string& service) {
+  grpc::ClientContext context;
+  Prepare(&context, timeout_);
+  const absl::StatusOr<std::string> status = CheckHealth(channel_, context, service);
+  if (status.ok()) return status;
+  return ServerError(server_, tls_, ToGrpcStatus(status.status()));
 }
 
 absl::StatusOr<v1::BackupHeader> AdminClient::BackupMap(const std::string& map,
@@ -181,7 +212,7 @@ absl::StatusOr<v1::BackupHeader> AdminClient::BackupMap(const std::string& map,
   }
   const grpc::Status status = reader->Finish();
   RETURN_IF_ERROR(taken);
-  RETURN_IF_ERROR(Named(server_, status));
+  RETURN_IF_ERROR(ServerError(server_, tls_, status));
   if (bytes == header.total_bytes() && sum.Finish() == header.sha256()) return header;
   return absl::DataLossError(absl::StrCat("server ", server_, ": the ", bytes,
                                           " bytes that came are not those that it announced"));
@@ -208,7 +239,7 @@ absl::StatusOr<v1::RestoreMapResponse> AdminClient::RestoreMap(const v1::Restore
   writer->WritesDone();
   const grpc::Status status = writer->Finish();
   if (!chunk.ok()) return chunk.status();
-  RETURN_IF_ERROR(Named(server_, status));
+  RETURN_IF_ERROR(ServerError(server_, tls_, status));
   return response;
 }
 

@@ -5,7 +5,6 @@
 
 #include <functional>
 #include <memory>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -18,8 +17,9 @@
 
 namespace overtone {
 
-// Errors name the server: Unavailable when it cannot be reached, DeadlineExceeded when it does not
-// answer within `timeout`. Thread-safe.
+// Errors are those of server_error.h: Unavailable when the server cannot be reached,
+// DeadlineExceeded when it does not answer within `timeout`. A server that comes back is found
+// again within a second. Thread-safe.
 class AdminClient {
  public:
   AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls = TlsFiles());
@@ -27,6 +27,7 @@ class AdminClient {
   absl::StatusOr<std::vector<v1::MapSummary>> ListMaps();
   // NotFound: no such map.
   absl::StatusOr<v1::MapSummary> GetMap(const std::string& map);
+  absl::StatusOr<std::vector<v1::Robot>> ListRobots(const std::string& map);
   absl::StatusOr<std::vector<v1::Mission>> ListMissions(const std::string& map);
   absl::StatusOr<std::vector<v1::LoopClosureStatus>> ListLoopClosures(const std::string& map);
   // The map and filters of `request`; all pages.
@@ -40,9 +41,17 @@ class AdminClient {
   absl::StatusOr<std::vector<v1::Revision>> ListRevisions(const std::string& map);
   absl::StatusOr<v1::RollBackResponse> RollBack(const std::string& map, uint64_t revision);
   absl::StatusOr<v1::GetTrajectoryResponse> GetTrajectory(const std::string& map,
-                                                          const MissionId& mission);
+                                                          const MissionId& mission,
+                                                          bool odometry = false);
   absl::StatusOr<v1::GetConfigurationResponse> GetConfiguration();
-  absl::Status ExportMap(const std::string& map, v1::ExportFormat format, std::ostream* out);
+  absl::StatusOr<v1::StatusReport> GetStatusReport(const std::string& map,
+                                                   const MissionId& mission);
+  // `take` has the pieces in their order; its error ends the call and is returned.
+  absl::Status ExportMap(const v1::ExportMapRequest& request,
+                         const std::function<absl::Status(const std::string& chunk)>& take);
+  // Of the service of that name, of the server as a whole without one: what grpc.health.v1 calls
+  // "SERVING", "NOT_SERVING", ... NotFound: no such service.
+  absl::StatusOr<std::string> Health(const std::string& service);
   // `take` has the pieces in their order; its error ends the call and is returned. DataLoss: what
   // came is not what was announced.
   using TakeChunk = std::function<absl::Status(const v1::BackupHeader&, const std::string& chunk)>;
@@ -71,6 +80,8 @@ class AdminClient {
 
   std::string server_;
   absl::Duration timeout_;
+  TlsFiles tls_;
+  std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::MapAdminService::Stub> stub_;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/client/cli/admin_commands.h"
 
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
@@ -11,43 +10,32 @@
 #include "absl/strings/str_format.h"
 #include "overtone/client/cli/admin_client.h"
 #include "overtone/client/cli/admin_flags.h"
+#include "overtone/client/cli/map_tables.h"
 #include "overtone/client/cli/table.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 namespace {
 
-struct ExportFlags : AdminFlags {
-  std::string format = "tum";
-  std::string out;
-};
-
 absl::Status ShowStatus(const AdminFlags& flags) {
   AdminClient client = flags.Client();
   ASSIGN_OR_RETURN(const std::vector<v1::MapSummary> maps, client.ListMaps());
   if (flags.json) {
     PrintJson(maps);
-    return absl::OkStatus();
+  } else {
+    std::cout << FormatTable(MapRows(maps));
   }
-  std::vector<std::vector<std::string>> rows = {{"map", "revision", "missions", "components",
-                                                 "keyframes", "in use/candidates", "landmarks",
-                                                 "clouds", "backlog", "cost", "solve [s]"}};
-  for (const v1::MapSummary& map : maps) {
-    int64_t in_use = 0;
-    for (const v1::VerdictCount& count : map.verdicts()) {
-      if (count.verdict() == v1::LOOP_CLOSURE_VERDICT_ACCEPTED ||
-          count.verdict() == v1::LOOP_CLOSURE_VERDICT_FORCED_BY_OPERATOR) {
-        in_use += count.count();
-      }
-    }
-    rows.push_back({map.map(), absl::StrCat(map.revision()), absl::StrCat(map.missions()),
-                    absl::StrCat(map.components()), absl::StrCat(map.keyframes()),
-                    absl::StrCat(in_use, "/", map.loop_closures()), absl::StrCat(map.landmarks()),
-                    absl::StrCat(map.clouds()), absl::StrCat(map.front_end_backlog()),
-                    absl::StrFormat("%.4g", map.cost()),
-                    absl::StrFormat("%.3f", map.optimisation_s())});
+  return absl::OkStatus();
+}
+
+absl::Status ShowRobots(const AdminFlags& flags) {
+  AdminClient client = flags.Client();
+  ASSIGN_OR_RETURN(const std::vector<v1::Robot> robots, client.ListRobots(flags.map));
+  if (flags.json) {
+    PrintJson(robots);
+  } else {
+    std::cout << FormatTable(RobotRows(robots));
   }
-  std::cout << FormatTable(rows);
   return absl::OkStatus();
 }
 
@@ -58,8 +46,7 @@ absl::Status ShowMissions(const AdminFlags& flags) {
     PrintJson(missions);
     return absl::OkStatus();
   }
-  std::vector<std::vector<std::string>> rows = {
-      {"mission", "anchored", "component", "submaps", "keyframes", "path [m]"}};
+  TableRows rows = {{"mission", "anchored", "component", "submaps", "keyframes", "path [m]"}};
   for (const v1::Mission& mission : missions) {
     rows.push_back({absl::StrCat(mission.id().robot(), "/", mission.id().mission()),
                     mission.anchored() ? "yes" : "no", absl::StrCat(mission.component()),
@@ -70,31 +57,40 @@ absl::Status ShowMissions(const AdminFlags& flags) {
   return absl::OkStatus();
 }
 
-absl::Status Export(const ExportFlags& flags) {
-  const auto format = flags.format == "g2o" ? v1::EXPORT_FORMAT_G2O : v1::EXPORT_FORMAT_TUM;
-  AdminClient client = flags.Client();
-  std::ofstream file(flags.out, std::ios::binary);
-  if (!file) return absl::UnavailableError(absl::StrCat("cannot write ", flags.out));
-  return client.ExportMap(flags.map, format, &file);
-}
-
 }  // namespace
 
 void AddAdminCommands(CLI::App* app, std::function<int()>* run) {
-  const auto flags = std::make_shared<ExportFlags>();
+  const auto flags = std::make_shared<AdminFlags>();
   AddAdminCommand(
       app, "status", "List a server's maps", {/*map=*/false, /*json=*/true}, flags.get(),
-      [flags] { return ShowStatus(*flags); }, run);
+      [flags] { return ShowStatus(*flags); }, run)
+      ->footer(
+          "cost: half the sum of squared whitened residuals; backlog: clouds and candidates that "
+          "are "
+          "still to\n"
+          "be looked at. --json: a MapSummary of map_admin_service.proto on each line.\n\n"
+          "  overtone status\n"
+          "  overtone status --server maps.example:7077 --json | jq .revision");
+  AddAdminCommand(
+      app, "robots", "List a map's robots: link, backlog, clock, last comparison",
+      {/*map=*/true, /*json=*/true}, flags.get(), [flags] { return ShowRobots(*flags); }, run)
+      ->footer(
+          "link: which of the robot's streams are open. received, sent: since the server started. "
+          "backlog, clock\n"
+          "offset and last comparison are what the robot reported last, ? where it did not. Times "
+          "are "
+          "UTC.\n"
+          "--json: a Robot of map_admin_service.proto on each line.\n\n"
+          "  overtone robots --map town\n"
+          "  overtone robots --map town --json | jq -r 'select(.uploading|not).robot'");
   AddAdminCommand(
       app, "missions", "List a map's missions", {/*map=*/true, /*json=*/true}, flags.get(),
-      [flags] { return ShowMissions(*flags); }, run);
-  CLI::App* command = AddAdminCommand(
-      app, "export", "Write a map to a file", {/*map=*/true, /*json=*/false}, flags.get(),
-      [flags] { return Export(*flags); }, run);
-  command->add_option("--format", flags->format, "tum or g2o")
-      ->check(CLI::IsMember({"tum", "g2o"}))
-      ->capture_default_str();
-  command->add_option("--out", flags->out, "File to write")->required();
+      [flags] { return ShowMissions(*flags); }, run)
+      ->footer(
+          "anchored: tied to the map's root component, whose frame is the map's. --json: a Mission "
+          "of\n"
+          "map_admin_service.proto on each line.\n\n"
+          "  overtone missions --map town");
 }
 
 }  // namespace overtone

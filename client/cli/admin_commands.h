@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `overtone status`, `missions` and `export`: a server's maps, seen from outside.
+// `overtone status`, `robots` and `missions`: what a server holds.
 #ifndef OVERTONE_CLIENT_CLI_ADMIN_COMMANDS_H_
 #define OVERTONE_CLIENT_CLI_ADMIN_COMMANDS_H_
 

@@ -10,7 +10,7 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
-#include "google/protobuf/util/json_util.h"
+#include "google/protobuf/message.h"
 #include "overtone/client/cli/admin_client.h"
 
 namespace overtone {
@@ -29,25 +29,24 @@ struct AdminFlags {
 struct AdminFlagSet {
   bool map = true;
   bool json = false;
+  // Whatever goes wrong at run time is exit code 1: health checks know no other.
+  bool one_failure = false;
 };
 
-// `act` runs when the command was given. `flags` must outlive it.
+// `act` runs when the command was given. `flags` must outlive it. To an error about what is not
+// there it adds what there is. The members of AdminFlags are set when the command is chosen, from
+// what they are now: several commands may share `flags`.
 CLI::App* AddAdminCommand(CLI::App* app, const std::string& name, const std::string& what,
                           AdminFlagSet set, AdminFlags* flags, std::function<absl::Status()> act,
                           std::function<int()>* run);
 
-// One message on a line, as protobuf's JSON.
+// Protobuf's JSON on one line, the fields named as in the schema and all of them there.
+std::string ToJson(const google::protobuf::Message& message);
+
+// One message on a line.
 template <typename Message>
 void PrintJson(const std::vector<Message>& messages) {
-  google::protobuf::util::JsonPrintOptions options;
-  options.preserve_proto_field_names = true;
-  options.always_print_primitive_fields = true;
-  for (const Message& message : messages) {
-    std::string text;
-    if (google::protobuf::util::MessageToJsonString(message, &text, options).ok()) {
-      std::cout << text << "\n";
-    }
-  }
+  for (const Message& message : messages) std::cout << ToJson(message) << "\n";
 }
 
 }  // namespace overtone

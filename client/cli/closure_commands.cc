@@ -12,10 +12,11 @@
 #include "absl/strings/str_format.h"
 #include "absl/strings/str_join.h"
 #include "absl/strings/str_split.h"
-#include "absl/time/time.h"
+#include "nlohmann/json.hpp"
 #include "overtone/client/cli/admin_client.h"
 #include "overtone/client/cli/admin_flags.h"
 #include "overtone/client/cli/closure_names.h"
+#include "overtone/client/cli/map_tables.h"
 #include "overtone/client/cli/table.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/id_conversion.h"
@@ -118,17 +119,13 @@ absl::Status DecideAll(const ClosureFlags& flags, const char* done,
   AdminClient client = flags.Client();
   for (const std::string& id : flags.ids) {
     RETURN_IF_ERROR((client.*decide)(flags.map, id));
-    std::cout << done << " " << id << "; the next revision holds the result\n";
+    if (flags.json) {
+      std::cout << nlohmann::json{{"id", id}, {"decision", done}}.dump() << "\n";
+    } else {
+      std::cout << done << " " << id << "; the next revision holds the result\n";
+    }
   }
   return absl::OkStatus();
-}
-
-std::string Verdicts(const v1::Revision& revision) {
-  std::vector<std::string> words;
-  for (const v1::VerdictCount& count : revision.verdicts()) {
-    words.push_back(absl::StrCat(count.count(), " ", VerdictName(count.verdict())));
-  }
-  return absl::StrJoin(words, ", ");
 }
 
 absl::Status ShowRevisions(const AdminFlags& flags) {
@@ -142,15 +139,13 @@ absl::Status ShowRevisions(const AdminFlags& flags) {
                                                  "in use +/-", "moved mean/max [m]", "cost",
                                                  "candidates"}};
   for (const v1::Revision& revision : revisions) {
-    rows.push_back(
-        {absl::StrCat(revision.revision()),
-         absl::FormatTime("%H:%M:%S", absl::FromUnixSeconds(revision.published().seconds()),
-                          absl::UTCTimeZone()),
-         absl::StrCat(revision.anchored_missions(), " of ", revision.missions()),
-         absl::StrCat(revision.keyframes()),
-         absl::StrCat(revision.accepted_size(), "/", revision.dropped_size()),
-         absl::StrFormat("%.3f/%.3f", revision.mean_move_m(), revision.largest_move_m()),
-         absl::StrFormat("%.4g", revision.cost_after()), Verdicts(revision)});
+    rows.push_back({absl::StrCat(revision.revision()), ClockTimeText(revision.published()),
+                    absl::StrCat(revision.anchored_missions(), " of ", revision.missions()),
+                    absl::StrCat(revision.keyframes()),
+                    absl::StrCat(revision.accepted_size(), "/", revision.dropped_size()),
+                    absl::StrFormat("%.3f/%.3f", revision.mean_move_m(), revision.largest_move_m()),
+                    absl::StrFormat("%.4g", revision.cost_after()),
+                    VerdictsText(revision.verdicts())});
   }
   std::cout << FormatTable(rows);
   return absl::OkStatus();
@@ -159,6 +154,10 @@ absl::Status ShowRevisions(const AdminFlags& flags) {
 absl::Status RollBack(const ClosureFlags& flags) {
   AdminClient client = flags.Client();
   ASSIGN_OR_RETURN(const v1::RollBackResponse response, client.RollBack(flags.map, flags.revision));
+  if (flags.json) {
+    PrintJson<v1::RollBackResponse>({response});
+    return absl::OkStatus();
+  }
   std::cout << "vetoed " << response.vetoed() << " loop closures that came into use after revision "
             << flags.revision << "; the map goes on in epoch " << response.map_epoch() << "\n";
   return absl::OkStatus();
@@ -203,25 +202,45 @@ void AddClosureCommands(CLI::App* app, std::function<int()>* run) {
                        "Only with this verdict: accepted, quarantined, rejected_overlap, ...");
   closures->add_option("--proposer", flags->proposer,
                        "Only proposed by: robot, robot_score, scan_context");
+  closures->footer(
+      "What each verdict means and what to do about it is in docs/loop_closures.md. --json: a "
+      "LoopClosureStatus\n"
+      "of map_admin_service.proto on each line; with --near one ExplainLoopClosuresResponse.\n\n"
+      "  overtone closures --map town --verdict quarantined\n"
+      "  overtone closures --map town --near anna/run1:120      # why is there no loop?");
 
   const auto add_ids = [&flags](CLI::App* command) {
     command->add_option("id", flags->ids, "As listed by `overtone closures`")->required();
+    command->footer(
+        absl::StrCat("Stands until it is decided otherwise, also after a restart.\n"
+                     "--json: {\"id\", \"decision\"} for each.\n\n  overtone ",
+                     command->get_name(), " --map town 'anna/run1:15>bert/run1:3#0'"));
   };
   add_ids(AddAdminCommand(
-      app, "veto", "Take loop closures out of the map: it is rebuilt without them", {true, false},
+      app, "veto", "Take loop closures out of the map: it is rebuilt without them", {true, true},
       flags.get(), [flags] { return DecideAll(*flags, "vetoed", &AdminClient::VetoLoopClosure); },
       run));
   add_ids(AddAdminCommand(
-      app, "force", "Use loop closures whatever the checks say", {true, false}, flags.get(),
+      app, "force", "Use loop closures whatever the checks say", {true, true}, flags.get(),
       [flags] { return DecideAll(*flags, "forced", &AdminClient::ForceLoopClosure); }, run));
   AddAdminCommand(
       app, "revisions", "List what each revision of a map changed", {true, true}, flags.get(),
-      [flags] { return ShowRevisions(*flags); }, run);
-  AddAdminCommand(
-      app, "rollback", "Veto every loop closure that came into use after a revision", {true, false},
-      flags.get(), [flags] { return RollBack(*flags); }, run)
-      ->add_option("revision", flags->revision, "As listed by `overtone revisions`")
+      [flags] { return ShowRevisions(*flags); }, run)
+      ->footer(
+          "Newest first; the server keeps the last 1000. in use +/-: closures that came into "
+          "and went out of use.\n"
+          "--json: a Revision of map_admin_service.proto on each line.\n\n"
+          "  overtone revisions --map town");
+  CLI::App* rollback = AddAdminCommand(
+      app, "rollback", "Veto every loop closure that came into use after a revision", {true, true},
+      flags.get(), [flags] { return RollBack(*flags); }, run);
+  rollback->add_option("revision", flags->revision, "As listed by `overtone revisions`")
       ->required();
+  rollback->footer(
+      "Submaps stay; the map goes on in a new epoch, and robots retract what came from the vetoed "
+      "closures.\n"
+      "--json: a RollBackResponse of map_admin_service.proto.\n\n"
+      "  overtone rollback --map town 17");
 }
 
 }  // namespace overtone

@@ -91,6 +91,10 @@ absl::StatusOr<LoadedRecordings> LoadRecordings(const ReplayOptions& options) {
   for (size_t i = 0; i < recordings.size() && loaded.drift.has_value(); ++i) {
     InjectDrift(*loaded.drift, i, &recordings[i]);
   }
+  if (!options.mission.empty()) {
+    RETURN_IF_ERROR(ValidateId(options.mission, "--mission"));
+    for (Recording& recording : recordings) recording.id.mission = options.mission;
+  }
   return loaded;
 }
 

@@ -180,18 +180,41 @@ void AddMaintenanceCommands(CLI::App* app, std::function<int()>* run) {
         app, name, what, {/*map=*/true, /*json=*/true}, flags.get(),
         [flags, act] { return act(*flags); }, run);
   };
-  add("backup", "Copy all that is stored of a map to a file, while robots upload", Backup)
-      ->add_option("--output", flags->file, "File to write")
-      ->required();
+  CLI::App* backup =
+      add("backup", "Copy all that is stored of a map to a file, while robots upload", Backup);
+  backup->add_option("--output", flags->file, "File to write")->type_name("FILE")->required();
+  backup->footer(
+      "The file is checked against the SHA-256 that the server announces, and there only when it "
+      "is "
+      "whole.\n"
+      "--json: {\"map\", \"file\", \"bytes\", \"sha256\"}.\n\n"
+      "  overtone backup --map town --output town.overtone");
   CLI::App* restore = add("restore", "Make a map from a backup", Restore);
   restore->get_option("--map")->required();
-  restore->add_option("file", flags->file, "What `overtone backup` wrote")->required();
+  restore->add_option("file", flags->file, "What `overtone backup` wrote")
+      ->type_name("FILE")
+      ->required();
+  restore->footer(
+      "The server checks the file as a whole before it replaces anything; robots then go on with "
+      "the "
+      "new map.\n"
+      "--json: a RestoreMapResponse of map_admin_service.proto.\n\n"
+      "  overtone restore --map town town.overtone --replace");
   restore->add_flag("--replace", flags->replace, "In the place of the map of that name");
-  add("verify", "Check all that is stored of a map; exit code 1: something is lost", Verify);
+  add("verify", "Check all that is stored of a map; exit code 1: something is lost", Verify)
+      ->footer(
+          "Reads every record against its checksum while the map is served. --json: a StoreReport "
+          "of\n"
+          "map_admin_service.proto.\n\n"
+          "  overtone verify --map town");
   CLI::App* remove = add("delete", "Delete a map or one of its missions for good", Delete);
   remove->get_option("--map")->required();
   remove->add_option("--mission", flags->mission, "robot/mission: only this one");
   remove->add_flag("--yes", flags->yes, "Do not ask");
+  remove->footer(
+      "There is no way back but a backup. --json: a DeleteMapResponse or DeleteMissionResponse.\n\n"
+      "  overtone delete --map town --mission anna/run1\n"
+      "  overtone delete --map town --yes");
 }
 
 }  // namespace overtone

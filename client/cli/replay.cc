@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "absl/strings/str_cat.h"
@@ -18,6 +19,7 @@
 #include "overtone/client/cli/replay_input.h"
 #include "overtone/client/cli/replay_record.h"
 #include "overtone/client/cli/results.h"
+#include "overtone/client/cli/server_error.h"
 #include "overtone/client/cli/server_process.h"
 #include "overtone/client/cli/team.h"
 #include "overtone/client/cli/tls_flags.h"
@@ -63,9 +65,27 @@ class Replay {
     // What the map holds already, when it is one that exists.
     const absl::StatusOr<v1::MapSummary> map = admin_->GetMap(map_);
     if (!map.ok() && !absl::IsNotFound(map.status())) return map.status();
-    if (map.ok()) {
-      keyframes_before_ = map->keyframes();
-      closures_before_ = map->loop_closures();
+    if (!map.ok()) return absl::OkStatus();
+    keyframes_before_ = map->keyframes();
+    closures_before_ = map->loop_closures();
+    return CheckMissionsAreNew();
+  }
+
+  // What is sent under a name that is there already counts as sent before.
+  absl::Status CheckMissionsAreNew() {
+    ASSIGN_OR_RETURN(const std::vector<v1::Mission> missions, admin_->ListMissions(map_));
+    std::set<MissionId> known;
+    for (const v1::Mission& mission : missions) {
+      known.insert({mission.id().robot(), mission.id().mission()});
+    }
+    for (const RobotPlan& plan : input_.plans) {
+      if (known.count(plan.id) == 0) continue;
+      return absl::AlreadyExistsError(absl::StrCat(
+          "map ", map_, " has a mission ", ToString(plan.id),
+          " already: --mission NAME replays beside it, --map NAME into another map; `overtone "
+          "delete "
+          "--server ",
+          address_, " --map ", map_, " --mission ", ToString(plan.id), "` makes room"));
     }
     return absl::OkStatus();
   }
@@ -123,7 +143,7 @@ class Replay {
     RETURN_IF_ERROR(StartTeam());
     ReplayRecord record(input_);
     RETURN_IF_ERROR(March(&record));
-    return record.Finish(admin_.get(), map_);
+    return Patiently([&] { return record.Finish(admin_.get(), map_); });
   }
 
   // A failed call is often only the first to notice that the server has died, or that the user has
@@ -167,6 +187,25 @@ class Replay {
     return absl::OkStatus();
   }
 
+  // A server that goes away is waited for: the robots have kept what it had not acknowledged. Not
+  // one of our own, which nobody starts again.
+  template <typename Call>
+  auto Patiently(const Call& call) -> decltype(call()) {
+    const absl::Time deadline = absl::Now() + absl::Seconds(options_.timeout_s);
+    for (bool lost = false;; lost = true) {
+      auto result = call();
+      if (!MayComeBack(result.status()) || server_ != nullptr || absl::Now() >= deadline) {
+        if (lost && result.ok()) std::cerr << "server " << address_ << " is back\n";
+        return result;
+      }
+      if (!lost) {
+        std::cerr << result.status().message() << "\nWaiting up to " << options_.timeout_s
+                  << " s (--timeout) for it to return\n";
+      }
+      RETURN_IF_ERROR(SleepUntil(absl::Now() + absl::Milliseconds(500)));
+    }
+  }
+
   // The first revision that holds all that the robots have sent, and what the server's front end
   // made of it. The server publishes on its own time; asking is all one can do from outside.
   absl::StatusOr<uint64_t> WaitUntilMapped(const std::vector<Json>& progress) {
@@ -178,7 +217,8 @@ class Replay {
     const absl::Time deadline = absl::Now() + absl::Seconds(options_.timeout_s);
     for (;;) {
       RETURN_IF_ERROR(CheckRunning());
-      ASSIGN_OR_RETURN(const v1::MapSummary map, admin_->GetMap(map_));
+      ASSIGN_OR_RETURN(const v1::MapSummary map,
+                       Patiently([this] { return admin_->GetMap(map_); }));
       if (map.keyframes() >= keyframes && map.loop_closures() >= closures &&
           map.front_end_backlog() == 0 && map.missing_blobs() == 0) {
         return map.revision();

@@ -157,6 +157,8 @@ void AddRunFlags(CLI::App* command, ReplayOptions* options) {
       ->check(CLI::ExistingFile)
       ->group(group);
   command->add_option("--map", options->map, "Map to build [one of this run's own]")->group(group);
+  command->add_option("--mission", options->mission, "What to call each robot's mission [run]")
+      ->group(group);
   command
       ->add_flag("--fresh", options->fresh,
                  "Delete --map first, where the server has it: whatever it holds is gone")

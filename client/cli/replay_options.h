@@ -39,6 +39,7 @@ struct ReplayOptions {
   std::string server_config;  // of one of our own; empty: its defaults
   std::string map;            // empty: one of this run's own
   bool fresh = false;         // delete the map first
+  std::string mission;        // of every robot; empty: "run"
   double speed = 0;           // data seconds per second; 0: as fast as possible
   double compare_every_s = 20;
   double reduction_percent = 0;

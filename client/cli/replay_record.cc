@@ -148,7 +148,7 @@ absl::StatusOr<RunResult> ReplayRecord::Finish(AdminClient* admin, const std::st
   RETURN_IF_ERROR(FetchClosures(admin, map));
   ASSIGN_OR_RETURN(const v1::MapSummary summary, admin->GetMap(map));
   result_.components = summary.components();
-  return std::move(result_);
+  return result_;
 }
 
 absl::Status ReplayRecord::FetchTrajectory(AdminClient* admin, const std::string& map,
@@ -156,6 +156,7 @@ absl::Status ReplayRecord::FetchTrajectory(AdminClient* admin, const std::string
   ASSIGN_OR_RETURN(const v1::GetTrajectoryResponse response, admin->GetTrajectory(map, plan.id));
   result_.revision = response.revision();
   robot->anchored = response.anchored();
+  robot->server.clear();
   for (const v1::Node& node : response.nodes()) {
     ASSIGN_OR_RETURN(const Rigid3d map_from_body, FromProto(node.map_tform_body()));
     robot->server.push_back(map_from_body);
@@ -177,6 +178,7 @@ absl::Status ReplayRecord::FetchClosures(AdminClient* admin, const std::string& 
     ours[{closure.closure.from, closure.closure.to}] = &closure;
   }
   ASSIGN_OR_RETURN(const std::vector<v1::LoopClosureStatus> closures, admin->ListLoopClosures(map));
+  result_.closures.clear();
   for (const v1::LoopClosureStatus& status : closures) {
     const bool by_robot = status.proposer() == v1::LOOP_CLOSURE_PROPOSER_ROBOT ||
                           status.proposer() == v1::LOOP_CLOSURE_PROPOSER_UNSPECIFIED;

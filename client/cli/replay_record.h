@@ -31,7 +31,8 @@ class ReplayRecord {
   // "  40 s of 182 s, revision 12: +12 constraints; corrected 0.021 0.034 0.040 m"
   std::string ProgressLine(double time_s, uint64_t revision) const;
 
-  // Fetches the optimised trajectories and the closures' verdicts, and evaluates.
+  // Fetches the optimised trajectories and the closures' verdicts, and evaluates. May be repeated
+  // after an error.
   absl::StatusOr<RunResult> Finish(AdminClient* admin, const std::string& map);
 
  private:

@@ -15,6 +15,9 @@ std::string RenderReport(const RunResult& result) {
   // One pass over the template: what is inserted is not searched again.
   return absl::StrReplaceAll(ReportTemplate(), {{"{{title}}", ReportTitle(result)},
                                                 {"{{style}}", ReportStyle()},
+                                                {"{{team_note}}", TeamNote(result)},
+                                                {"{{before}}", BeforeCaption(result)},
+                                                {"{{after}}", AfterCaption(result)},
                                                 {"{{overview}}", ReportOverview(result)},
                                                 {"{{details}}", ReportDetails(result)},
                                                 {"{{data}}", ReportData(result)},

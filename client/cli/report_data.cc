@@ -38,7 +38,7 @@ using Positions = std::vector<Eigen::Vector3d>;  // one for each keyframe, NaN w
 struct DrawnRobot {
   Positions onboard, server, corrected, truth;
   std::vector<double> time_s;
-  std::vector<double> path_m;  // along the odometry
+  std::vector<double> path_m;  // along the odometry, where it is known
 };
 
 Positions Transform(const Rigid3d& map_from_estimate, const Positions& positions) {
@@ -81,9 +81,10 @@ DrawnRobot Draw(const RobotResult& robot) {
   drawn.server = PositionsOf(robot.server, count);
   drawn.corrected = PositionsOf(robot.corrected, count);
   drawn.truth = PositionsOf(robot.ground_truth, count);
+  const Positions& way = robot.onboard.empty() ? drawn.server : drawn.onboard;
   for (size_t i = 0; i < count; ++i) {
     drawn.time_s.push_back(SecondsBetween(robot.stamps[0], robot.stamps[i]));
-    const double step_m = i == 0 ? 0 : (drawn.onboard[i] - drawn.onboard[i - 1]).norm();
+    const double step_m = i == 0 ? 0 : (way[i] - way[i - 1]).norm();
     drawn.path_m.push_back((i == 0 ? 0 : drawn.path_m[i - 1]) +
                            (std::isfinite(step_m) ? step_m : 0));
   }
@@ -131,7 +132,8 @@ class DataWriter {
 
   json Write() const {
     static constexpr const char* kAxisNames[] = {"x", "y", "z"};
-    json data = {{"axes", {kAxisNames[axes_.first], kAxisNames[axes_.second]}},
+    json data = {{"live", result_.live},
+                 {"axes", {kAxisNames[axes_.first], kAxisNames[axes_.second]}},
                  {"levels", kHeatLevels},
                  {"robots", json::array()},
                  {"closures", Closures()}};
@@ -163,6 +165,7 @@ class DataWriter {
     json time_s = json::array();
     for (int i : kept) time_s.push_back(Rounded(drawn.time_s[i], 10));
     return {{"name", robot.name},
+            {"drawnWithTeam", DrawnWithTeam(number)},
             {"keyframes", kept},
             {"time", time_s},
             {"paths",
@@ -214,10 +217,21 @@ class DataWriter {
     return {{"time", time_s}, {"onboard", onboard}, {"corrected", corrected}};
   }
 
-  // Each as [kind, from, to, score, x, y, x, y], on the corrected trajectory.
+  // What a live map cannot tie to the others has a frame of its own.
+  bool DrawnWithTeam(size_t number) const {
+    return !result_.live || result_.robots[number].anchored;
+  }
+
+  // The best estimate there is.
+  const Positions& Best(const DrawnRobot& drawn) const {
+    return result_.live ? drawn.server : drawn.corrected;
+  }
+
+  // Each as [kind, from, to, score, x, y, x, y], on the best trajectory.
   json Constraints(const RobotResult& robot, const DrawnRobot& drawn) const {
     json rows = json::array();
-    const int64_t count = static_cast<int64_t>(drawn.corrected.size());
+    const Positions& positions = Best(drawn);
+    const int64_t count = static_cast<int64_t>(positions.size());
     for (int i : EvenlySpread(robot.active_constraints.size(), Share(kMaxConstraints))) {
       const Constraint& constraint = robot.active_constraints[i];
       if (constraint.from < 0 || constraint.to < 0 || constraint.from >= count ||
@@ -226,8 +240,8 @@ class DataWriter {
       }
       json row = {std::string(ToString(constraint.kind)), constraint.from, constraint.to,
                   Rounded(constraint.score, 1000)};
-      AppendPoint(drawn.corrected[constraint.from], row);
-      AppendPoint(drawn.corrected[constraint.to], row);
+      AppendPoint(positions[constraint.from], row);
+      AppendPoint(positions[constraint.to], row);
       rows.push_back(std::move(row));
     }
     return rows;
@@ -245,11 +259,11 @@ class DataWriter {
             {"cells", map.cells}};
   }
 
-  // The corrected position of a node, if it is one of this run.
+  // The position of a node, if it is one of this run and drawn.
   std::optional<Eigen::Vector3d> Find(const NodeId& node) const {
     const auto robot = number_.find(node.mission.robot);
-    if (robot == number_.end()) return std::nullopt;
-    const Positions& positions = robots_[robot->second].corrected;
+    if (robot == number_.end() || !DrawnWithTeam(robot->second)) return std::nullopt;
+    const Positions& positions = Best(robots_[robot->second]);
     if (node.index < 0 || node.index >= static_cast<int64_t>(positions.size())) {
       return std::nullopt;
     }

@@ -10,6 +10,8 @@ const TRUTH = {key: 'truth', label: 'ground truth', colour: 'var(--truth)', styl
 const ONBOARD = {key: 'onboard', label: 'onboard (odometry)', colour: 'var(--onboard)', style: 'dashed'};
 const SERVER = {key: 'server', label: 'server', colour: 'var(--server)', style: ''};
 const CORRECTED = {key: 'corrected', label: 'corrected', colour: 'var(--corrected)', style: ''};
+// The estimate to look at: a server's map knows of no corrected one.
+const BEST = data.live ? SERVER : CORRECTED;
 const KINDS = {
   small: 'small (neighbours)', mid: 'mid (hops)', large: 'large (submaps)',
   degenerate: 'degenerate', chord: 'chord (knots)',
@@ -203,14 +205,15 @@ function chord(group, chart, [x1, y1, x2, y2], attributes, title) {
 }
 
 function drawTeam() {
-  const all = data.robots.flatMap((robot) => Object.values(robot.paths));
+  const team = data.robots.filter((robot) => robot.drawnWithTeam);
+  const all = team.flatMap((robot) => Object.values(robot.paths));
   const colour = (i) => ROBOT_COLOURS[i % ROBOT_COLOURS.length];
   const dash = (i) => i < ROBOT_COLOURS.length ? '' : 'dashed';
-  const charts = [['team-before', 'onboard', 'Onboard estimates'], ['team-after', 'corrected', 'Corrected estimates']].map(([id, estimate, name]) => {
+  const charts = [['team-before', 'onboard', 'Onboard estimates'], ['team-after', BEST.key, data.live ? 'Estimates of the server' : 'Corrected estimates']].map(([id, estimate, name]) => {
     const chart = topView(document.getElementById(id), all, `${name} of all robots, seen from above`);
     const lines = [];
-    for (const robot of data.robots) chart.trace(robot.paths.truth, TRUTH);
-    data.robots.forEach((robot, i) => {
+    for (const robot of team) chart.trace(robot.paths.truth, TRUTH);
+    team.forEach((robot, i) => {
       const key = `robot ${i}`;
       const look = {key, colour: colour(i), style: dash(i)};
       chart.trace(robot.paths[estimate], look);
@@ -220,7 +223,7 @@ function drawTeam() {
     hoverKeyframes(chart, lines);
     return chart;
   });
-  const items = data.robots.map((robot, i) => ({key: `robot ${i}`, label: robot.name, colour: colour(i), style: dash(i)}));
+  const items = team.map((robot, i) => ({key: `robot ${i}`, label: robot.name, colour: colour(i), style: dash(i)}));
   if (data.robots.some((robot) => robot.paths.truth.some(isNumber))) items.push(TRUTH);
   legend(document.getElementById('team-legend'), items.concat(drawClosures(charts[1])), charts);
 }
@@ -243,7 +246,7 @@ function drawClosures(chart) {
 function drawTrajectories(section, robot) {
   const hasTruth = robot.paths.truth.some(isNumber);
   const chart = topView(section.querySelector('.trajectories'), Object.values(robot.paths), `Trajectories of ${robot.name}, seen from above`);
-  const estimates = hasTruth ? [TRUTH, ONBOARD, SERVER, CORRECTED] : [ONBOARD, SERVER, CORRECTED];
+  const estimates = [...(hasTruth ? [TRUTH] : []), ONBOARD, SERVER, ...(data.live ? [] : [CORRECTED])];
   for (const estimate of estimates) chart.trace(robot.paths[estimate.key], estimate);
   for (const estimate of estimates) chart.mark(robot.paths[estimate.key], estimate);
   hoverKeyframes(chart, estimates.map((e) => ({...e, robot, points: robot.paths[e.key]})));
@@ -251,8 +254,8 @@ function drawTrajectories(section, robot) {
 }
 
 function drawConstraints(section, robot) {
-  const chart = topView(section.querySelector('.constraints'), Object.values(robot.paths), `Constraints of ${robot.name} on its corrected trajectory`);
-  chart.trace(robot.paths.corrected, {key: 'path', colour: 'var(--truth)', style: ''});
+  const chart = topView(section.querySelector('.constraints'), Object.values(robot.paths), `Constraints of ${robot.name} on its ${data.live ? '' : 'corrected '}trajectory`);
+  chart.trace(robot.paths[BEST.key], {key: 'path', colour: 'var(--truth)', style: ''});
   const groups = {};
   // Long ones first, so that short ones lie on top.
   for (const kind of ['chord', 'large', 'degenerate', 'mid', 'small']) groups[kind] = add(chart.plot, 'g', {class: 'chords', 'data-key': kind});
@@ -343,7 +346,7 @@ function drawHeat(figure, robot) {
 
 function drawRobot(robot) {
   const section = document.getElementById('robot').content.firstElementChild.cloneNode(true);
-  section.querySelector('h2').textContent = robot.name;
+  section.querySelector('h2').textContent = robot.drawnWithTeam ? robot.name : `${robot.name} (unanchored: in a frame of its own)`;
   document.getElementById('robots').appendChild(section);
   if (robot.keyframes.length === 0) {
     for (const figure of section.querySelectorAll('figure')) figure.remove();

@@ -84,6 +84,22 @@ std::string Cards(const RunResult& result) {
   return cards + "</div>\n";
 }
 
+// Of a live map.
+std::string MissionTable(const RunResult& result) {
+  std::vector<std::vector<std::string>> rows;
+  for (const RobotResult& robot : result.robots) {
+    rows.push_back({EscapeHtml(robot.name), robot.anchored ? "yes" : "no",
+                    absl::StrCat(robot.stamps.size()), absl::StrFormat("%.1f", robot.path_m),
+                    absl::StrFormat("%.0f", robot.duration_s),
+                    absl::StrCat(robot.active_constraints.size())});
+  }
+  return Table(
+      "Anchored: tied to the map's root component. Constraints: those of the last comparison, as "
+      "far "
+      "as the robot reported them.",
+      {"mission", "anchored", "keyframes", "path [m]", "duration [s]", "constraints"}, rows);
+}
+
 std::string ClosuresNote(const RunResult& result) {
   if (result.closures_note.empty()) return "";
   return absl::StrCat("<p class=\"note\"><strong>",
@@ -104,7 +120,10 @@ std::string ClosureTable(const RunResult& result) {
     count.by_server += closure.proposer == "scan_context";
     count.wrong += closure.measured && closure.truth.has_value() && !closure.truth->right;
   }
-  if (counts.empty()) return "<p>This run had no loop closures.</p>\n";
+  if (counts.empty()) {
+    return absl::StrCat("<p>This ", result.live ? "map has" : "run had",
+                        " no loop closures.</p>\n");
+  }
   std::vector<std::vector<std::string>> rows;
   for (const auto& [verdict, count] : counts) {
     std::string words = EscapeHtml(verdict);
@@ -113,7 +132,7 @@ std::string ClosureTable(const RunResult& result) {
                     absl::StrCat(count.inter_robot), absl::StrCat(count.by_server),
                     absl::StrCat(count.outliers), absl::StrCat(count.wrong)});
   }
-  return Table("The server's verdict on each loop closure at the end of the run.",
+  return Table("The server's verdict on each loop closure.",
                {"verdict", "closures", "within a robot", "between robots", "the server's own",
                 "wrong on purpose", "wrong by ground truth"},
                rows);
@@ -130,12 +149,44 @@ std::string ReportTitle(const RunResult& result) {
   return absl::StrCat("Overtone: ", EscapeHtml(result.dataset));
 }
 
+std::string TeamNote(const RunResult& result) {
+  if (result.live) {
+    return "Seen from above, in the map frame. The odometry that each mission uploaded is laid on "
+           "the "
+           "server's estimate by a rigid motion of its own. Missions that nothing ties to the "
+           "map's "
+           "root component are shown further down, each in a frame of its own.";
+  }
+  return "Seen from above, in the map frame of the server. Each estimate is laid on the ground "
+         "truth "
+         "by a rigid motion of its own (on the server's estimate where there is no ground truth), "
+         "as "
+         "for the RMSE.";
+}
+
+std::string BeforeCaption(const RunResult& result) {
+  return result.live ? "Before: odometry as uploaded" : "Before: onboard estimates";
+}
+
+std::string AfterCaption(const RunResult& result) {
+  return result.live ? "After: the server's estimate" : "After: corrected estimates";
+}
+
 std::string ReportOverview(const RunResult& result) {
   size_t keyframes = 0;
   double path_m = 0;
   for (const RobotResult& robot : result.robots) {
     keyframes += robot.stamps.size();
     path_m += robot.path_m;
+  }
+  if (result.live) {
+    return absl::StrCat(
+        absl::StrFormat("<p class=\"lead\">%d mission%s in %d component%s · %d keyframes · %.0f m "
+                        "driven · server revision %d</p>\n",
+                        result.robots.size(), result.robots.size() == 1 ? "" : "s",
+                        result.components, result.components == 1 ? "" : "s", keyframes, path_m,
+                        result.revision),
+        MissionTable(result));
   }
   return absl::StrCat(
       absl::StrFormat("<p class=\"lead\">%d robot%s · %d keyframes · %.0f m driven · server "
@@ -152,9 +203,10 @@ std::string ReportDetails(const RunResult& result) {
   }
   return absl::StrCat("<section><h2>Loop closures</h2>\n<p>", EscapeHtml(result.closures_note),
                       "</p>\n", ClosureTable(result), "</section>\n",
-                      "<section><h2>How this run was made</h2>\n<pre>", EscapeHtml(result.command),
-                      "</pre>\n<dl>\n", settings, "<dt>Overtone version</dt><dd>", ReportVersion(),
-                      "</dd>\n</dl></section>\n");
+                      result.live ? "<section><h2>Where this is from</h2>\n<pre>"
+                                  : "<section><h2>How this run was made</h2>\n<pre>",
+                      EscapeHtml(result.command), "</pre>\n<dl>\n", settings,
+                      "<dt>Overtone version</dt><dd>", ReportVersion(), "</dd>\n</dl></section>\n");
 }
 
 }  // namespace overtone

@@ -13,6 +13,10 @@ namespace overtone {
 std::string EscapeHtml(absl::string_view text);
 
 std::string ReportTitle(const RunResult& result);
+// What the pictures of the team show, and the titles of the two.
+std::string TeamNote(const RunResult& result);
+std::string BeforeCaption(const RunResult& result);
+std::string AfterCaption(const RunResult& result);
 // What was run, the errors before and after, and the table of the terminal.
 std::string ReportOverview(const RunResult& result);
 // Loop closures by verdict, settings, version.

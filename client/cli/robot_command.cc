@@ -87,7 +87,8 @@ void AddRobotCommand(CLI::App* app, std::function<int()>* run) {
       "                    compare it with the onboard estimate and apply the constraints\n"
       "After an error it answers {\"error\": ...} and ends with code 1. `overtone replay` writes "
       "recordings\n"
-      "and drives a team of these; with none of your own, look at recording.json in its output.");
+      "and drives a team of these; with none of your own, look at recording.json in its output.\n\n"
+      "  echo advance 60 | overtone robot --recording run/anna/recording.json --map town");
   command->add_option("--recording", flags->recording, "JSON file of keyframes and loop closures")
       ->required()
       ->check(CLI::ExistingFile);

@@ -117,7 +117,10 @@ struct RelationErrors {
 };
 
 struct RunResult {
-  std::string dataset;  // "euroc", "example", ...
+  // A server's map as it stands, not a run: `corrected`, ground truth and traffic are not known,
+  // and robots are named as missions are.
+  bool live = false;
+  std::string dataset;  // "euroc", "example", ...; of a live map its name
   std::string command;  // the options of the run, as on the command line
   // One sentence on where the closures come from; when simulated, it says so and gives the rule.
   std::string closures_note;

@@ -1,223 +1,196 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The linearised chain. x_i moves to x_i Exp(delta_i); an odometry residual r_i then becomes r_i +
-// J_r(r_i)^-1 u_i with
-//     u_i = delta_i - Ad(x_i^-1 x_{i-1}) delta_{i-1},     u_i ~ N(-r_i, Q_i),  Q_i = J_r(r_i)
-//     Sigma_i J_r(r_i)^T
-// (J_r(r) r = r). Seen from the stretch's first pose a, eta_i = Ad(x_a^-1 x_i) delta_i is a random
-// walk:
-//     eta_i = eta_{i-1} + Ad(x_a^-1 x_i) u_i.
-// So the stretch a..b is one edge, eta_b - delta_a ~ N(drift, S) with drift and S the sums over its
-// steps, and given its ends, lambda = S^-1 (eta_b - delta_a - drift), each step is u_i = -r_i + Q_i
-// Ad(x_a^-1 x_i)^T lambda.
 #include "overtone/client/estimator/chain_smoother.h"
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
-#include "Eigen/SparseCholesky"
 #include "absl/status/status.h"
+#include "overtone/client/estimator/block_cholesky.h"
+#include "overtone/client/estimator/odometry_stretch.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 namespace {
-
-using SparseMatrix = Eigen::SparseMatrix<double>;
-using Steps = std::vector<Vector6d, Eigen::aligned_allocator<Vector6d>>;
-
-// J_r(r) = sum_k (-ad r)^k / (k + 1)! = [X, Y; 0, X], the inverse of InverseRightJacobian.
-Matrix6d RightJacobian(const Vector6d& r) {
-  constexpr double kSmall = 0.03;  // where the fourth power, 7e-9, may be left out: nearly always
-  Matrix6d jacobian = Matrix6d::Zero();
-  Eigen::Matrix3d x, y;
-  if (r.squaredNorm() < kSmall * kSmall) {
-    const Eigen::Matrix3d p = Skew(r.tail<3>()), q = Skew(r.head<3>());
-    const Eigen::Matrix3d pp = p * p, pq_qp = p * q + q * p;
-    x = Eigen::Matrix3d::Identity() - p / 2 + pp / 6 - p * pp / 24;
-    y = -q / 2 + pq_qp / 6 - (p * pq_qp + q * pp) / 24;
-  } else {
-    const Matrix6d inverse = InverseRightJacobian(r);
-    x = inverse.topLeftCorner<3, 3>().inverse();
-    y = -x * inverse.topRightCorner<3, 3>() * x;
-  }
-  jacobian.topLeftCorner<3, 3>() = x;
-  jacobian.topRightCorner<3, 3>() = y;
-  jacobian.bottomRightCorner<3, 3>() = x;
-  return jacobian;
-}
-
-struct Stretch {
-  int begin = 0;  // chord ends: poses of the chain
-  int end = 0;
-  Rigid3d begin_from_end;
-  Vector6d drift = Vector6d::Zero();
-  Matrix6d information = Matrix6d::Zero();  // S^-1
-  Vector6d lambda = Vector6d::Zero();
-};
 
 class ChainSmoother {
  public:
   ChainSmoother(const std::vector<Rigid3d>& poses, const std::vector<OdometryStep>& odometry,
                 const std::vector<Chord>& chords);
 
-  // Sums up the stretches at the current poses; returns the cost.
+  // Sums up the stretches at the current state; returns the cost.
   double Linearise();
   // Solves for the ends and spreads the result; returns by how much the linearised cost falls.
   absl::StatusOr<double> Solve();
-  // Moves the poses by `share` of the solution, from where Linearise was last called.
-  void Step(double share);
+  // Changes the steps by `share` of the solution.
+  void Move(double share);
 
-  std::vector<Rigid3d>& poses() { return poses_; }
+  std::vector<Rigid3d> Poses(const Rigid3d& first) const;
+  int64_t FactorNonZeros() const;
 
  private:
-  int EndOf(int pose) const {
-    return static_cast<int>(std::lower_bound(ends_.begin(), ends_.end(), pose) - ends_.begin());
-  }
-  double Condense(Stretch& stretch);
-  void Spread(const Stretch& stretch);
+  // A chord between the poses ends_[from] and ends_[to].
+  struct EndChord {
+    int from, to;
+    const Chord* chord;
+  };
 
-  std::vector<Rigid3d> poses_;
+  Vector6d Residual(const EndChord& c) const;
+  void AddStretch(int k, Eigen::VectorXd& right_side);
+  void AddChord(const EndChord& c, Eigen::VectorXd& right_side);
+
   const std::vector<OdometryStep>& odometry_;
-  const std::vector<Chord>& chords_;
-  std::vector<int> ends_;  // increasing; ends_[0] is the fixed first pose
-  std::vector<Stretch> stretches_;
-  // Per pose, at the last linearisation; unused behind the last end.
-  std::vector<Rigid3d> previous_from_this_;
-  Steps residual_;
-  std::vector<Matrix6d, Eigen::aligned_allocator<Matrix6d>> step_covariance_;  // Q
-  Steps step_;                                                                 // u
+  std::vector<int> ends_;                   // increasing; ends_[0] is the fixed first pose
+  std::vector<OdometryStretch> stretches_;  // k: from ends_[k] to ends_[k + 1]
+  std::vector<EndChord> chords_;
+  std::vector<StepState> steps_;    // per pose up to the last end; [0] is not used
+  std::vector<Rigid3d> end_poses_;  // seen from the first
+  BlockCholesky normal_equations_;  // over the ends but the first
 };
+
+std::vector<int> Ends(const std::vector<Chord>& chords) {
+  std::vector<int> ends = {0};
+  for (const Chord& chord : chords) ends.insert(ends.end(), {chord.from, chord.to});
+  std::sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  return ends;
+}
+
+// Which rows of the normal equations neighbouring ends and chords couple.
+std::vector<std::pair<int, int>> Couplings(const std::vector<int>& ends,
+                                           const std::vector<Chord>& chords) {
+  std::vector<std::pair<int, int>> couplings;
+  const auto row_of = [&ends](int pose) {
+    return static_cast<int>(std::lower_bound(ends.begin(), ends.end(), pose) - ends.begin()) - 1;
+  };
+  for (int k = 2; k < ends.size(); ++k) couplings.emplace_back(k - 2, k - 1);
+  for (const Chord& chord : chords) {
+    const int from = row_of(chord.from), to = row_of(chord.to);
+    if (from >= 0 && to >= 0) couplings.emplace_back(from, to);
+  }
+  return couplings;
+}
 
 ChainSmoother::ChainSmoother(const std::vector<Rigid3d>& poses,
                              const std::vector<OdometryStep>& odometry,
                              const std::vector<Chord>& chords)
-    : poses_(poses),
-      odometry_(odometry),
-      chords_(chords),
-      ends_{0},
-      previous_from_this_(poses.size()),
-      residual_(poses.size()),
-      step_covariance_(poses.size()),
-      step_(poses.size()) {
+    : odometry_(odometry),
+      ends_(Ends(chords)),
+      steps_(ends_.back() + 1),
+      end_poses_(ends_.size()),
+      normal_equations_(static_cast<int>(ends_.size()) - 1, Couplings(ends_, chords)) {
+  const auto end_of = [this](int pose) {
+    return static_cast<int>(std::lower_bound(ends_.begin(), ends_.end(), pose) - ends_.begin());
+  };
   for (const Chord& chord : chords) {
-    ends_.push_back(chord.from);
-    ends_.push_back(chord.to);
+    chords_.push_back({end_of(chord.from), end_of(chord.to), &chord});
   }
-  std::sort(ends_.begin(), ends_.end());
-  ends_.erase(std::unique(ends_.begin(), ends_.end()), ends_.end());
   for (int k = 1; k < ends_.size(); ++k) {
     stretches_.emplace_back();
     stretches_.back().begin = ends_[k - 1];
     stretches_.back().end = ends_[k];
   }
+  for (int i = 1; i < steps_.size(); ++i) {
+    steps_[i].error =
+        Log(odometry[i].previous_from_this.Inverse() * (poses[i - 1].Inverse() * poses[i]));
+  }
 }
 
 double ChainSmoother::Linearise() {
   double cost = 0;
-  for (Stretch& stretch : stretches_) cost += Condense(stretch);
-  for (const Chord& chord : chords_) {
-    const Vector6d r =
-        Log(chord.from_tform_to.Inverse() * (poses_[chord.from].Inverse() * poses_[chord.to]));
-    cost += 0.5 * r.dot(chord.information * r);
+  for (int k = 0; k < stretches_.size(); ++k) {
+    cost += stretches_[k].Condense(odometry_, steps_);
+    end_poses_[k + 1] = end_poses_[k] * stretches_[k].begin_from_end;
+  }
+  for (const EndChord& c : chords_) {
+    const Vector6d r = Residual(c);
+    cost += 0.5 * r.dot(c.chord->information * r);
   }
   return cost;
 }
 
-double ChainSmoother::Condense(Stretch& stretch) {
-  double cost = 0;
-  Rigid3d begin_from_this;
-  Matrix6d covariance = Matrix6d::Zero();
-  stretch.drift.setZero();
-  for (int i = stretch.begin + 1; i <= stretch.end; ++i) {
-    const OdometryStep& odometry = odometry_[i];
-    previous_from_this_[i] = poses_[i - 1].Inverse() * poses_[i];
-    begin_from_this = begin_from_this * previous_from_this_[i];
-    const Vector6d r = Log(odometry.previous_from_this.Inverse() * previous_from_this_[i]);
-    residual_[i] = r;
-    cost += 0.5 * r.dot(odometry.information * r);
-    const Matrix6d jacobian = RightJacobian(r);
-    step_covariance_[i].noalias() = jacobian * odometry.covariance * jacobian.transpose();
-    const Matrix6d adjoint = Adjoint(begin_from_this);
-    stretch.drift -= adjoint * r;
-    covariance.noalias() += adjoint * step_covariance_[i] * adjoint.transpose();
-  }
-  stretch.begin_from_end = begin_from_this;
-  stretch.information = covariance.llt().solve(Matrix6d::Identity());
-  return cost;
+Vector6d ChainSmoother::Residual(const EndChord& c) const {
+  return Log(c.chord->from_tform_to.Inverse() * (end_poses_[c.from].Inverse() * end_poses_[c.to]));
 }
 
 absl::StatusOr<double> ChainSmoother::Solve() {
-  // Normal equations over the ends but the first. Lower triangle only.
-  const int size = 6 * static_cast<int>(stretches_.size());
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(36 * 3 * (stretches_.size() + chords_.size()));
-  Eigen::VectorXd right_side = Eigen::VectorXd::Zero(size);
-  const auto add_block = [&entries](int row, int column, const Matrix6d& block) {
-    if (row < 0 || column < 0 || row < column) return;
-    for (int j = 0; j < 6; ++j) {
-      for (int i = 0; i < 6; ++i) entries.emplace_back(6 * row + i, 6 * column + j, block(i, j));
-    }
-  };
-  // Adds |error + from_jacobian delta_from + to_jacobian delta_to|^2_information; -1 is the fixed
-  // pose.
-  const auto add_edge = [&](int from, int to, const Matrix6d& from_jacobian,
-                            const Matrix6d& to_jacobian, const Vector6d& error,
-                            const Matrix6d& information) {
-    const Matrix6d weighted_from = from_jacobian.transpose() * information;
-    const Matrix6d weighted_to = to_jacobian.transpose() * information;
-    add_block(from, from, weighted_from * from_jacobian);
-    add_block(to, to, weighted_to * to_jacobian);
-    add_block(from, to, weighted_from * to_jacobian);
-    add_block(to, from, weighted_to * from_jacobian);
-    if (from >= 0) right_side.segment<6>(6 * from) -= weighted_from * error;
-    if (to >= 0) right_side.segment<6>(6 * to) -= weighted_to * error;
-  };
+  normal_equations_.SetZero();
+  Eigen::VectorXd right_side = Eigen::VectorXd::Zero(6 * stretches_.size());
+  for (int k = 0; k < stretches_.size(); ++k) AddStretch(k, right_side);
+  for (const EndChord& c : chords_) AddChord(c, right_side);
+  if (!normal_equations_.Factorise()) return absl::InternalError("chain: factorisation failed");
+  const Eigen::VectorXd moves = normal_equations_.Solve(right_side);
+  if (!moves.allFinite()) return absl::InternalError("chain: the solution is not finite");
+  Vector6d begin_moves = Vector6d::Zero();
   for (int k = 0; k < stretches_.size(); ++k) {
-    const Stretch& stretch = stretches_[k];
-    add_edge(k - 1, k, -Matrix6d::Identity(), Adjoint(stretch.begin_from_end), -stretch.drift,
-             stretch.information);
+    const Vector6d end_moves = moves.segment<6>(6 * k);
+    stretches_[k].Spread(begin_moves, end_moves, odometry_, steps_);
+    begin_moves = end_moves;
   }
-  for (const Chord& chord : chords_) {
-    const Rigid3d from_tform_to = poses_[chord.from].Inverse() * poses_[chord.to];
-    const Vector6d r = Log(chord.from_tform_to.Inverse() * from_tform_to);
-    const Matrix6d jacobian = InverseRightJacobian(r);
-    add_edge(EndOf(chord.from) - 1, EndOf(chord.to) - 1,
-             -jacobian * Adjoint(from_tform_to.Inverse()), jacobian, r, chord.information);
-  }
-  if (size == 0) return 0;
-  SparseMatrix hessian(size, size);
-  hessian.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower> solver(hessian);
-  if (solver.info() != Eigen::Success) return absl::InternalError("chain: factorisation failed");
-  const Eigen::VectorXd delta = solver.solve(right_side);
-  if (!delta.allFinite()) return absl::InternalError("chain: the solution is not finite");
-
-  for (int k = 0; k < stretches_.size(); ++k) {
-    Stretch& stretch = stretches_[k];
-    const Vector6d begin = k == 0 ? Vector6d::Zero() : Vector6d(delta.segment<6>(6 * (k - 1)));
-    const Vector6d end = Adjoint(stretch.begin_from_end) * delta.segment<6>(6 * k);
-    stretch.lambda = stretch.information * (end - begin - stretch.drift);
-    Spread(stretch);
-  }
-  return 0.5 * delta.dot(right_side);
+  return 0.5 * moves.dot(right_side);
 }
 
-void ChainSmoother::Spread(const Stretch& stretch) {
-  // lambda as seen from each pose in turn: Ad(x_a^-1 x_i)^T lambda.
-  Vector6d lambda = stretch.lambda;
-  for (int i = stretch.begin + 1; i <= stretch.end; ++i) {
-    lambda = Adjoint(previous_from_this_[i]).transpose() * lambda;
-    step_[i] = step_covariance_[i] * lambda - residual_[i];
+// |Ad(begin_from_end) delta_end - delta_begin - drift|^2 in the stretch's information.
+void ChainSmoother::AddStretch(int k, Eigen::VectorXd& right_side) {
+  const OdometryStretch& stretch = stretches_[k];
+  const Matrix6d adjoint = Adjoint(stretch.begin_from_end);
+  const Matrix6d weighted = stretch.information.lazyProduct(adjoint);
+  normal_equations_.Add(k, k, adjoint.transpose().lazyProduct(weighted));
+  const Vector6d pull = stretch.information * stretch.drift;
+  right_side.segment<6>(6 * k) += adjoint.transpose() * pull;
+  if (k == 0) return;
+  normal_equations_.Add(k - 1, k - 1, stretch.information);
+  normal_equations_.Add(k - 1, k, -weighted);
+  right_side.segment<6>(6 * (k - 1)) -= pull;
+}
+
+// |r + J (delta_to - Ad(to_from_from) delta_from)|^2 in the chord's information.
+void ChainSmoother::AddChord(const EndChord& c, Eigen::VectorXd& right_side) {
+  const Vector6d r = Residual(c);
+  const Matrix6d to = InverseRightJacobian(r);
+  const Matrix6d from = -to.lazyProduct(Adjoint(end_poses_[c.to].Inverse() * end_poses_[c.from]));
+  const Matrix6d weighted_to = c.chord->information.lazyProduct(to);
+  const Matrix6d weighted_from = c.chord->information.lazyProduct(from);
+  const int to_row = c.to - 1, from_row = c.from - 1;
+  if (to_row >= 0) {
+    normal_equations_.Add(to_row, to_row, to.transpose().lazyProduct(weighted_to));
+    right_side.segment<6>(6 * to_row) -= weighted_to.transpose() * r;
+  }
+  if (from_row >= 0) {
+    normal_equations_.Add(from_row, from_row, from.transpose().lazyProduct(weighted_from));
+    right_side.segment<6>(6 * from_row) -= weighted_from.transpose() * r;
+  }
+  if (to_row >= 0 && from_row >= 0) {
+    normal_equations_.Add(to_row, from_row, to.transpose().lazyProduct(weighted_from));
   }
 }
 
-void ChainSmoother::Step(double share) {
-  for (int i = 1; i <= ends_.back(); ++i) {
-    poses_[i] = poses_[i - 1] * (previous_from_this_[i] * Exp(share * step_[i]));
+void ChainSmoother::Move(double share) {
+  for (StepState& step : steps_) step.error += share * step.change;
+}
+
+std::vector<Rigid3d> ChainSmoother::Poses(const Rigid3d& first) const {
+  std::vector<Rigid3d> poses = {first};
+  poses.reserve(odometry_.size());
+  for (int i = 1; i < odometry_.size(); ++i) {
+    Rigid3d previous_from_this = odometry_[i].previous_from_this;
+    if (i < steps_.size()) previous_from_this = previous_from_this * Exp(steps_[i].error);
+    poses.push_back(poses.back() * previous_from_this);
   }
-  for (int i = ends_.back() + 1; i < poses_.size(); ++i) {
-    poses_[i] = poses_[i - 1] * odometry_[i].previous_from_this;
+  return poses;
+}
+
+// A pose inside a stretch is eliminated between its two ends, one that hangs on a single neighbour
+// with that one.
+int64_t ChainSmoother::FactorNonZeros() const {
+  constexpr int kDiagonal = 21, kBlock = 36;
+  int64_t count = normal_equations_.NumNonZeros();
+  for (int k = 0; k < stretches_.size(); ++k) {
+    const int64_t inside = stretches_[k].end - stretches_[k].begin - 1;
+    count += inside * (kDiagonal + (k == 0 ? kBlock : 2 * kBlock));
   }
+  const int64_t behind =
+      static_cast<int64_t>(odometry_.size()) - static_cast<int64_t>(steps_.size());
+  return count + behind * (kDiagonal + kBlock) - (ends_.size() == 1 && behind > 0 ? kBlock : 0);
 }
 
 }  // namespace
@@ -227,25 +200,31 @@ absl::StatusOr<ChainSmootherResult> SmoothChain(const std::vector<Rigid3d>& pose
                                                 const std::vector<Chord>& chords,
                                                 const ChainSmootherOptions& options) {
   constexpr double kSmallestShare = 1e-3;
+  constexpr double kRoundOff = 1e-13;  // of the cost
   ChainSmootherResult result;
+  if (poses.empty()) {
+    result.converged = true;
+    return result;
+  }
   ChainSmoother smoother(poses, odometry, chords);
   result.initial_cost = result.final_cost = smoother.Linearise();
   while (!result.converged && result.iterations < options.max_iterations) {
     ++result.iterations;
     ASSIGN_OR_RETURN(const double promised, smoother.Solve());
-    smoother.Step(1);
-    result.converged = promised <= options.cost_tolerance;
+    smoother.Move(1);
+    result.converged = promised <= std::max(options.cost_tolerance, kRoundOff * result.final_cost);
     if (result.converged) break;
     double cost = smoother.Linearise();
     // Too far: halfway back, and again.
     for (double share = 1; !(cost <= result.final_cost) && share > kSmallestShare; share /= 2) {
-      smoother.Step(-share / 2);
+      smoother.Move(-share / 2);
       cost = smoother.Linearise();
     }
     if (!(cost <= result.final_cost)) return absl::InternalError("chain: the cost does not fall");
     result.final_cost = cost;
   }
-  result.poses = std::move(smoother.poses());
+  result.poses = smoother.Poses(poses.front());
+  result.factor_non_zeros = smoother.FactorNonZeros();
   return result;
 }
 

@@ -76,6 +76,11 @@ int OnboardEstimator::NumConstraints() const {
   return static_cast<int>(chords_.size());
 }
 
+int64_t OnboardEstimator::FactorNonZeros() const {
+  absl::MutexLock lock(&mutex_);
+  return factor_non_zeros_;
+}
+
 absl::Status OnboardEstimator::Insert(const Constraint& constraint, Chords& chords) const {
   const std::string what = absl::StrCat("constraint ", constraint.id);
   const int64_t end = first_index_ + static_cast<int64_t>(poses_.size());
@@ -120,6 +125,7 @@ absl::Status OnboardEstimator::ApplyConstraints(const ConstraintBatch& batch) {
                    SmoothChain(poses_, odometry_, chord_list, ChainSmootherOptions()));
   poses_ = std::move(smoothed.poses);
   chords_ = std::move(chords);
+  factor_non_zeros_ = smoothed.factor_non_zeros;
   return absl::OkStatus();
 }
 

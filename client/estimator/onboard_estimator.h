@@ -37,6 +37,10 @@ class OnboardEstimator : public HostEstimator {
 
   int NumConstraints() const;
 
+  // Numbers in the Cholesky factor of the last smoothing (ChainSmootherResult::factor_non_zeros):
+  // how far constraints have cost the chain its locality. 0 before the first batch.
+  int64_t FactorNonZeros() const;
+
  private:
   using Chords = std::map<std::string, Chord>;
 
@@ -51,6 +55,7 @@ class OnboardEstimator : public HostEstimator {
   std::vector<Rigid3d> poses_ ABSL_GUARDED_BY(mutex_);
   std::vector<OdometryStep> odometry_ ABSL_GUARDED_BY(mutex_);
   Chords chords_ ABSL_GUARDED_BY(mutex_);
+  int64_t factor_non_zeros_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace overtone

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <utility>
+#include <vector>
 
 #include "overtone/core/registration/voxel_grid.h"
 
@@ -39,11 +39,15 @@ void BoundedVoxelGrid::Merge(const Voxel& voxel) {
       static_cast<uint32_t>(std::min<uint64_t>(num_points, std::numeric_limits<uint32_t>::max()));
 }
 
-// A mean moves as a whole into the larger cube that it lies in.
+// A mean moves as a whole into the larger cube that it lies in. Never two tables at once: they are
+// the most of the memory.
 void BoundedVoxelGrid::Enlarge() {
   voxel_m_ *= std::sqrt(2.0);
-  const Voxels smaller = std::exchange(voxels_, Voxels());
-  for (const auto& [key, voxel] : smaller) Merge(voxel);
+  std::vector<Voxel> smaller;
+  smaller.reserve(voxels_.size());
+  for (const auto& [key, voxel] : voxels_) smaller.push_back(voxel);
+  voxels_ = Voxels();
+  for (const Voxel& voxel : smaller) Merge(voxel);
 }
 
 }  // namespace overtone

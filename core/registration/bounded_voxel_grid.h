@@ -11,7 +11,7 @@
 
 namespace overtone {
 
-// 33 bytes of memory for each cube at the table's fullest, and up to 75 just after it has grown.
+// Memory: 38 to 75 bytes for each cube once all is in; while the table grows, half as much again.
 class BoundedVoxelGrid {
  public:
   struct Voxel {
@@ -29,7 +29,7 @@ class BoundedVoxelGrid {
   // point that is not finite, or 2^20 cubes or more away along an axis, is counted and left out.
   void Add(const Eigen::Vector3d& point, float intensity);
 
-  // The size of the cubes that it came to: twice as many points, cubes sqrt(2) times as large.
+  // The size that the cubes came to, in steps of sqrt(2): of a surface's cubes half are left.
   double voxel_m() const { return voxel_m_; }
   const Eigen::Vector3d& origin() const { return origin_; }
   int64_t left_out() const { return left_out_; }

@@ -79,9 +79,9 @@ std::vector<Eigen::MatrixXd> ChebyshevSum(const SparseMatrix& laplacian, double 
 
 absl::StatusOr<FilterResult> ChebyshevFilter(const SparseMatrix& laplacian,
                                              const Eigen::MatrixXd& signals, int num_scales,
-                                             double tolerance) {
+                                             double tolerance, double lmax) {
   FilterResult result;
-  result.lmax = LargestEigenvalue(laplacian);
+  result.lmax = lmax > 0 ? lmax : LargestEigenvalue(laplacian);
   if (!(result.lmax > 0)) {  // no edges: every signal is of frequency 0
     result.coefficients.assign(num_scales, Eigen::MatrixXd::Zero(signals.rows(), signals.cols()));
     result.coefficients[0] = signals;

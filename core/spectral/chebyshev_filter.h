@@ -27,10 +27,11 @@ std::vector<Eigen::MatrixXd> ChebyshevSum(const SparseMatrix& laplacian, double 
                                           const Eigen::MatrixXd& signals);
 
 // Raises the order until the estimated error is within `tolerance`. signals: n x c, finite, c <= 8.
+// lmax: of this Laplacian where it is known, as a FilterResult has it; 0: to be found.
 // ResourceExhausted: not within tolerance at order 2048.
 absl::StatusOr<FilterResult> ChebyshevFilter(const SparseMatrix& laplacian,
                                              const Eigen::MatrixXd& signals, int num_scales,
-                                             double tolerance);
+                                             double tolerance, double lmax = 0);
 
 }  // namespace overtone
 

@@ -18,20 +18,21 @@ constexpr int kMaxKrylovDimension = 600;
 
 absl::StatusOr<FilterResult> FilterBlock(const SparseMatrix& laplacian,
                                          const Eigen::MatrixXd& signals, int num_scales,
-                                         double tolerance) {
+                                         double tolerance, double lmax) {
   const int64_t basis_bytes = int64_t{8} * kTypicalDimension * signals.size();
   if (basis_bytes <= kMaxBasisBytes) {
-    auto krylov = KrylovFilter(laplacian, signals, num_scales, tolerance, kMaxKrylovDimension);
+    auto krylov =
+        KrylovFilter(laplacian, signals, num_scales, tolerance, kMaxKrylovDimension, lmax);
     if (krylov.ok()) return krylov;
   }
-  return ChebyshevFilter(laplacian, signals, num_scales, tolerance);
+  return ChebyshevFilter(laplacian, signals, num_scales, tolerance, lmax);
 }
 
 }  // namespace
 
 absl::StatusOr<FilterResult> FastFilter(const SparseMatrix& laplacian,
                                         const Eigen::MatrixXd& signals, int num_scales,
-                                        double tolerance) {
+                                        double tolerance, double lmax) {
   RETURN_IF_ERROR(ValidateLaplacian(laplacian));
   FilterResult all;
   all.coefficients.assign(num_scales, Eigen::MatrixXd(signals.rows(), signals.cols()));
@@ -40,7 +41,7 @@ absl::StatusOr<FilterResult> FastFilter(const SparseMatrix& laplacian,
     const Eigen::Index count = std::min<Eigen::Index>(kSignalsAtOnce, signals.cols() - first);
     ASSIGN_OR_RETURN(
         const FilterResult block,
-        FilterBlock(laplacian, signals.middleCols(first, count), num_scales, tolerance));
+        FilterBlock(laplacian, signals.middleCols(first, count), num_scales, tolerance, lmax));
     for (int s = 0; s < num_scales; ++s) {
       all.coefficients[s].middleCols(first, count) = block.coefficients[s];
     }

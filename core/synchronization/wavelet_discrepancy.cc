@@ -83,8 +83,9 @@ Domain MakeDomain(const MapGraph& graph, const MapMission& own,
 }
 
 absl::StatusOr<SparseMatrix> AdjacencyFromEdges(const std::vector<MapEdge>& edges,
-                                                const Domain& domain) {
-  const int num_positions = static_cast<int>(domain.node_of_position.size());
+                                                const std::vector<int>& node_of_position,
+                                                int num_nodes) {
+  const int num_positions = static_cast<int>(node_of_position.size());
   std::vector<Eigen::Triplet<double>> weights;
   weights.reserve(2 * edges.size());
   for (int e = 0; e < edges.size(); ++e) {
@@ -93,70 +94,71 @@ absl::StatusOr<SparseMatrix> AdjacencyFromEdges(const std::vector<MapEdge>& edge
         !(edge.weight > 0) || !std::isfinite(edge.weight)) {
       return absl::InvalidArgumentError(absl::StrCat("graph.edges[", e, "]: not a valid edge"));
     }
-    const int first = domain.node_of_position[edge.first];
-    const int second = domain.node_of_position[edge.second];
+    const int first = node_of_position[edge.first];
+    const int second = node_of_position[edge.second];
     if (first < 0 || second < 0) continue;
     weights.emplace_back(first, second, edge.weight);
     weights.emplace_back(second, first, edge.weight);
   }
-  const int n = static_cast<int>(domain.map_from_body.size());
-  SparseMatrix adjacency(n, n);
+  SparseMatrix adjacency(num_nodes, num_nodes);
   adjacency.setFromTriplets(weights.begin(), weights.end());
   return adjacency;
-}
-
-// The adjacency ends here: the robot need not hold both.
-absl::StatusOr<SparseMatrix> DomainLaplacian(const MapGraph& graph, const Domain& domain,
-                                             const RadiusGraphOptions& rule) {
-  ASSIGN_OR_RETURN(const SparseMatrix adjacency,
-                   graph.edges.empty() ? RadiusGraphAdjacency(domain.map_from_body, rule)
-                                       : AdjacencyFromEdges(graph.edges, domain));
-  if (adjacency.nonZeros() == 0) {
-    return absl::FailedPreconditionError(
-        "graph: no edge between its nodes; is radius_m too small?");
-  }
-  return GraphLaplacian(adjacency);
 }
 
 }  // namespace
 
 Band BandOfScale(int scale, int num_scales) { return static_cast<Band>(3 * scale / num_scales); }
 
+Eigen::MatrixXd BandSums(const std::vector<Eigen::MatrixXd>& coefficients) {
+  const int num_scales = static_cast<int>(coefficients.size());
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(coefficients[0].rows(), 3);
+  for (int s = 0; s < num_scales; ++s) {
+    sums.col(static_cast<int>(BandOfScale(s, num_scales))) += coefficients[s].rowwise().norm();
+  }
+  return sums;
+}
+
 absl::StatusOr<Eigen::MatrixXd> WaveletDiscrepancy(const SparseMatrix& laplacian,
                                                    const Eigen::MatrixXd& signal_difference,
                                                    const WaveletOptions& options) {
   ASSIGN_OR_RETURN(const std::vector<Eigen::MatrixXd> coefficients,
                    WaveletCoefficients(laplacian, signal_difference, options));
-  Eigen::MatrixXd discrepancy = Eigen::MatrixXd::Zero(signal_difference.rows(), 3);
-  for (int s = 0; s < options.num_scales; ++s) {
-    const int band = static_cast<int>(BandOfScale(s, options.num_scales));
-    discrepancy.col(band) += coefficients[s].rowwise().norm();
-  }
-  return discrepancy;
+  return BandSums(coefficients);
 }
 
-absl::StatusOr<TrajectoryComparison> CompareTrajectories(const MapGraph& graph,
-                                                         const MissionId& mission,
-                                                         const std::vector<NodePose>& onboard,
-                                                         const SynchronizationOptions& options) {
-  RETURN_IF_ERROR(options.Validate());
+TrajectoryComparator::TrajectoryComparator(const SynchronizationOptions& options)
+    : options_(options), filter_(options.graph, options.wavelets) {}
+
+absl::StatusOr<Eigen::MatrixXd> TrajectoryComparator::Discrepancy(
+    const MapGraph& graph, const std::vector<int>& node_of_position,
+    const std::vector<Rigid3d>& nodes, const Eigen::MatrixXd& signal_difference) {
+  if (graph.edges.empty()) return filter_.Filter(nodes, signal_difference);
+  ASSIGN_OR_RETURN(
+      const SparseMatrix adjacency,
+      AdjacencyFromEdges(graph.edges, node_of_position, static_cast<int>(nodes.size())));
+  const SparseMatrix laplacian = GraphLaplacian(adjacency);
+  RETURN_IF_ERROR(CheckHasEdges(laplacian));
+  return WaveletDiscrepancy(laplacian, signal_difference, options_.wavelets);
+}
+
+absl::StatusOr<TrajectoryComparison> TrajectoryComparator::Compare(
+    const MapGraph& graph, const MissionId& mission, const std::vector<NodePose>& onboard) {
+  RETURN_IF_ERROR(options_.Validate());
   const MapMission* own = FindMission(graph, mission);
   if (own == nullptr) {
     return absl::NotFoundError(absl::StrCat("graph: no mission ", ToString(mission)));
   }
   ASSIGN_OR_RETURN(const std::vector<NodePose> trajectory, CheckedTrajectory(onboard));
   const std::vector<NodeMatch> matches =
-      AssociateNodes(*own, trajectory, options.association_tolerance_s);
+      AssociateNodes(*own, trajectory, options_.association_tolerance_s);
   if (matches.size() < kMinCommonNodes) {
     return absl::FailedPreconditionError(
         absl::StrCat("graph and trajectory: ", matches.size(), " nodes in common, 3 needed"));
   }
   TrajectoryComparison comparison = Associate(graph, *own, trajectory, matches);
-  const Domain domain = MakeDomain(graph, *own, matches, options.multi_robot_graph);
-  ASSIGN_OR_RETURN(const SparseMatrix laplacian, DomainLaplacian(graph, domain, options.graph));
-
-  const auto signal = [&options](const std::vector<Rigid3d>& poses) {
-    return TrajectorySignal(poses, options.signal, options.graph.metric, options.signal_weights);
+  const Domain domain = MakeDomain(graph, *own, matches, options_.multi_robot_graph);
+  const auto signal = [this](const std::vector<Rigid3d>& poses) {
+    return TrajectorySignal(poses, options_.signal, options_.graph.metric, options_.signal_weights);
   };
   const Eigen::MatrixXd row_difference = signal(comparison.server) - signal(comparison.onboard);
   Eigen::MatrixXd difference =
@@ -165,12 +167,19 @@ absl::StatusOr<TrajectoryComparison> CompareTrajectories(const MapGraph& graph,
     difference.row(domain.node_of_row[row]) = row_difference.row(row);
   }
   ASSIGN_OR_RETURN(const Eigen::MatrixXd discrepancy,
-                   WaveletDiscrepancy(laplacian, difference, options.wavelets));
+                   Discrepancy(graph, domain.node_of_position, domain.map_from_body, difference));
   comparison.discrepancy.resize(row_difference.rows(), 3);
   for (int row = 0; row < row_difference.rows(); ++row) {
     comparison.discrepancy.row(row) = discrepancy.row(domain.node_of_row[row]);
   }
   return comparison;
+}
+
+absl::StatusOr<TrajectoryComparison> CompareTrajectories(const MapGraph& graph,
+                                                         const MissionId& mission,
+                                                         const std::vector<NodePose>& onboard,
+                                                         const SynchronizationOptions& options) {
+  return TrajectoryComparator(options).Compare(graph, mission, onboard);
 }
 
 }  // namespace overtone

@@ -4,32 +4,35 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 
-absl::StatusOr<std::shared_ptr<void>> CloudExporter::Reserve(int64_t points) {
-  std::shared_ptr<void> reserved(
-      nullptr, [in_hand = in_hand_, points](void*) { in_hand->fetch_sub(points); });
-  if (in_hand_->fetch_add(points) + points > kMaxPointsInHand) {
+absl::StatusOr<CloudExporter::NextChunk> CloudExporter::Make(const CloudExport& request,
+                                                             const std::function<bool()>& wanted) {
+  const int64_t left = max_points_ - *in_hand_;
+  if (request.max_points > left) {
     return absl::ResourceExhaustedError(
-        absl::StrCat("max_points: ", points, " more than the exports under way leave of ",
-                     kMaxPointsInHand, "; try again when they are done, or ask for fewer"));
+        absl::StrCat("max_points: ", request.max_points, " is more than the ", left,
+                     " that exports which are being sent leave; try again, or ask for fewer"));
   }
-  return reserved;
+  ASSIGN_OR_RETURN(MergedCloud cloud, MergeClouds(*registry_, request, wanted));
+  const auto points = static_cast<int64_t>(cloud.points.voxels().size());
+  *in_hand_ += points;
+  const std::shared_ptr<PlyFile> file(new PlyFile(std::move(cloud)),
+                                      [in_hand = in_hand_, points](const PlyFile* gone) {
+                                        delete gone;
+                                        *in_hand -= points;
+                                      });
+  return NextChunk([file] { return file->Next(); });
 }
 
 void CloudExporter::Start(const v1::ExportMapRequest& request, std::function<bool()> wanted,
                           Done done) {
   const absl::StatusOr<CloudExport> read = ReadCloudExport(request);
   if (!read.ok()) return done(read.status());
-  const absl::StatusOr<std::shared_ptr<void>> reserved = Reserve(read->max_points);
-  if (!reserved.ok()) return done(reserved.status());
-  thread_.Post([this, request = *read, reserved = *reserved, wanted = std::move(wanted),
-                done = std::move(done)] {
-    absl::StatusOr<MergedCloud> cloud = MergeClouds(*registry_, request, wanted);
-    if (!cloud.ok()) return done(cloud.status());
-    const auto file = std::make_shared<PlyFile>(*std::move(cloud));
-    done(NextChunk([file, reserved] { return file->Next(); }));
+  thread_.Post([this, request = *read, wanted = std::move(wanted), done = std::move(done)] {
+    done(Make(request, wanted));
   });
 }
 

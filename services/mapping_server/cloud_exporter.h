@@ -23,22 +23,23 @@ class CloudExporter {
   using NextChunk = std::function<std::string()>;
   using Done = std::function<void(absl::StatusOr<NextChunk>)>;
 
-  // `registry` outlives it.
-  explicit CloudExporter(const MapRegistry* registry) : registry_(registry), thread_(1) {}
+  // `registry` outlives it. The export in the making and those whose peers take their time have at
+  // most `max_points` between them: at the default 1.5 GB of memory.
+  explicit CloudExporter(const MapRegistry* registry, int64_t max_points = 2 * kMaxExportPoints)
+      : registry_(registry), max_points_(max_points), thread_(1) {}
 
-  // `done` is called once: on its thread, or at once when the request is refused. Its memory is
-  // taken until the NextChunk is gone. `wanted`: false ends the work early.
+  // `done` is called once: on its thread, or at once when the request is refused by its fields.
+  // The points are in memory until the NextChunk is gone. `wanted`: false ends the work early.
   //
-  // Errors as ReadCloudExport's and MergeClouds's. ResourceExhausted: the exports under way may
-  // take kMaxPointsInHand between them.
+  // Errors as ReadCloudExport's and MergeClouds's. ResourceExhausted: max_points.
   void Start(const v1::ExportMapRequest& request, std::function<bool()> wanted, Done done);
 
-  static constexpr int64_t kMaxPointsInHand = 2 * kMaxExportPoints;  // about 1.5 GB at the worst
-
  private:
-  absl::StatusOr<std::shared_ptr<void>> Reserve(int64_t points);
+  absl::StatusOr<NextChunk> Make(const CloudExport& request, const std::function<bool()>& wanted);
 
   const MapRegistry* const registry_;
+  const int64_t max_points_;
+  // Of files that are made and not yet sent.
   const std::shared_ptr<std::atomic<int64_t>> in_hand_ = std::make_shared<std::atomic<int64_t>>(0);
   WorkerPool thread_;  // destroyed first
 };

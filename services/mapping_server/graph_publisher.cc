@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/log_limit.h"
 
 namespace overtone {
@@ -73,6 +74,8 @@ bool GraphPublisher::Enqueue(Command command) {
 }
 
 void GraphPublisher::Run() {
+  const LogFields about = LogFieldsOf(map_);
+  const LogScope scope(&about);
   std::vector<Command> commands;
   std::shared_ptr<const MapSnapshot> snapshot;
   for (bool more = true; more;) {

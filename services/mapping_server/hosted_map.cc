@@ -11,6 +11,7 @@
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/status_conversion.h"
 #include "overtone/services/mapping_server/checkpoint_codec.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/log_limit.h"
 #include "overtone/services/mapping_server/submap_store/sqlite_submap_store.h"
 
@@ -35,6 +36,8 @@ absl::optional<StoredCheckpoint> ReadCheckpoint(const SubmapStore& store, const 
 absl::StatusOr<std::unique_ptr<HostedMap>> HostedMap::Open(std::string id, std::string path,
                                                            const ServerOptions& options,
                                                            Epoch epoch) {
+  const LogFields about = LogFieldsOf(id);
+  const LogScope scope(&about);
   std::unique_ptr<HostedMap> map(new HostedMap(std::move(id), std::move(path), options));
   RETURN_IF_ERROR(map->Start(epoch));
   return map;
@@ -43,6 +46,7 @@ absl::StatusOr<std::unique_ptr<HostedMap>> HostedMap::Open(std::string id, std::
 absl::Status HostedMap::Start(Epoch epoch) {
   StoreOptions store_options;
   store_options.instruments = &instruments_.store;
+  store_options.map = id_;
   ASSIGN_OR_RETURN(store_,
                    SqliteSubmapStore::Open(path_, options_.limits, StoreSink(), store_options));
   MappingPipeline::Sink sink;

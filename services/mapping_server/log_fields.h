@@ -16,6 +16,10 @@ struct LogFields {
   std::string request_id;
 };
 
+// Of what a peer sent: names that are no ids are left out, whatever they hold.
+LogFields LogFieldsOf(const std::string& map, const std::string& robot = "",
+                      const std::string& mission = "");
+
 // While it lives, every line that this thread logs is about `fields`, which outlive it. Scopes
 // nest: the innermost counts.
 class LogScope {

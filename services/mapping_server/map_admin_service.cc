@@ -6,6 +6,7 @@
 #include "overtone/services/mapping_server/closure_listing.h"
 #include "overtone/services/mapping_server/map_listing.h"
 #include "overtone/services/mapping_server/rpc/backup_map.h"
+#include "overtone/services/mapping_server/rpc/call_fields.h"
 #include "overtone/services/mapping_server/rpc/decisions.h"
 #include "overtone/services/mapping_server/rpc/export_map.h"
 #include "overtone/services/mapping_server/rpc/housekeeping.h"
@@ -30,6 +31,7 @@ MapAdminService::MapAdminService(int64_t max_message_bytes,
 template <typename Request, typename Call>
 grpc::ServerUnaryReactor* MapAdminService::Administer(grpc::CallbackServerContext* context,
                                                       const Request& request, Call call) const {
+  CallFields::Get().Set(context, LogFieldsOf(request.map()));
   return Guarded(context, access_->MayAdminister(*context, request.map()), std::move(call));
 }
 

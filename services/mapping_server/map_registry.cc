@@ -6,6 +6,7 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/ids.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -27,6 +28,8 @@ absl::Status MapRegistry::Open() {
   RETURN_IF_ERROR(directory_.Open());
   for (const std::string& id : directory_.Maps()) {
     auto map = OpenMap(id, HostedMap::Epoch::kKeep);
+    const LogFields about = LogFieldsOf(id);
+    const LogScope scope(&about);
     if (!map.ok()) {
       spdlog::error("map {} cannot be served: {}", id, map.status().ToString());
     } else if ((*map)->store().Missions().empty()) {

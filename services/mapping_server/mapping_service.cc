@@ -2,16 +2,26 @@
 #include "overtone/services/mapping_server/mapping_service.h"
 
 #include <string>
+#include <utility>
 
 #include "overtone/core/common/status_macros.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/quota/quota_subject.h"
 #include "overtone/services/mapping_server/request_id.h"
+#include "overtone/services/mapping_server/rpc/call_fields.h"
 #include "overtone/services/mapping_server/rpc/report_status.h"
 #include "overtone/services/mapping_server/rpc/unary.h"
 #include "overtone/services/mapping_server/rpc/upload_submaps.h"
 #include "overtone/services/mapping_server/rpc/watch_graph.h"
 
 namespace overtone {
+namespace {
+
+void Describe(const grpc::CallbackServerContext* context, LogFields about) {
+  CallFields::Get().Set(context, std::move(about));
+}
+
+}  // namespace
 
 MappingService::MappingService(const ServerOptions& options, AccessControl* access,
                                RobotQuotas* quotas, MapRegistry* registry, UploadSessions* sessions)
@@ -49,6 +59,7 @@ grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerCon
                                                          const v1::GetUploadStateRequest* request,
                                                          v1::GetUploadStateResponse* response) {
   const std::string& robot = request->mission().robot();
+  Describe(context, LogFieldsOf(request->map(), robot, request->mission().mission()));
   const absl::Status may = access_->MayWrite(*context, request->map(), robot, "");
   return Guarded(context, Admit(*context, may, robot), [&] {
     return Answer(context, overtone::GetUploadState(*registry_, *request), response);
@@ -58,6 +69,7 @@ grpc::ServerUnaryReactor* MappingService::GetUploadState(grpc::CallbackServerCon
 grpc::ServerUnaryReactor* MappingService::AddLoopClosures(grpc::CallbackServerContext* context,
                                                           const v1::AddLoopClosuresRequest* request,
                                                           v1::AddLoopClosuresResponse* response) {
+  Describe(context, LogFieldsOf(request->map()));
   const absl::Status may = access_->MayAddClosures(*context, *request);
   return Guarded(context, Admit(*context, may), [&] {
     return overtone::AddLoopClosures(context, *registry_, *request, response);
@@ -73,6 +85,7 @@ grpc::ServerWriteReactor<grpc::ByteBuffer>* MappingService::WatchGraph(
 grpc::ServerUnaryReactor* MappingService::GetGraph(grpc::CallbackServerContext* context,
                                                    const v1::GetGraphRequest* request,
                                                    v1::GetGraphResponse* response) {
+  Describe(context, LogFieldsOf(request->map()));
   const absl::Status may = access_->MayRead(*context, request->map());
   return Guarded(context, Admit(*context, may), [&] {
     return overtone::GetGraph(context, *registry_, options_.graph.max_nodes, *request, response);
@@ -83,6 +96,7 @@ grpc::ServerUnaryReactor* MappingService::ReportStatus(grpc::CallbackServerConte
                                                        const v1::ReportStatusRequest* request,
                                                        v1::ReportStatusResponse* response) {
   const std::string& robot = request->mission().robot();
+  Describe(context, LogFieldsOf(request->map(), robot, request->mission().mission()));
   const absl::Status may = access_->MayWrite(*context, request->map(), robot, "");
   return Guarded(context, Admit(*context, may, robot), [&] {
     return Answer(context, overtone::ReportStatus(*registry_, *request), response);

@@ -37,4 +37,10 @@ std::string RequestIdOf(const grpc::CallbackServerContext& context) {
   return std::string(it->second.data(), it->second.size());
 }
 
+LogFields AboutCall(const grpc::CallbackServerContext& context, const std::string& map) {
+  LogFields about = LogFieldsOf(map);
+  about.request_id = RequestIdOf(context);
+  return about;
+}
+
 }  // namespace overtone

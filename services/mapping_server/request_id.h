@@ -6,6 +6,7 @@
 #include <string>
 
 #include "grpcpp/grpcpp.h"
+#include "overtone/services/mapping_server/log_fields.h"
 
 namespace overtone {
 
@@ -18,6 +19,9 @@ std::string NewRequestId();
 // Of the call as the interceptor has seen it (call_interceptor.h): the peer's own if it had a sane
 // one, else the server's; empty where there is no interceptor.
 std::string RequestIdOf(const grpc::CallbackServerContext& context);
+
+// What the log's lines about a call say.
+LogFields AboutCall(const grpc::CallbackServerContext& context, const std::string& map);
 
 }  // namespace overtone
 

@@ -102,7 +102,7 @@ std::vector<MetricDescription> OfRobots() {
       {"overtone_robot_constraints_total",
        kCounter,
        {"map", "robot", "kind"},
-       "New constraints that its estimator was asked to apply, as reported"},
+       "New constraints of the comparisons that it reported"},
   };
 }
 

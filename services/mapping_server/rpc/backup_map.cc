@@ -5,6 +5,7 @@
 
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/request_id.h"
 
 namespace overtone {
 
@@ -14,7 +15,8 @@ BackupMap::BackupMap(MapMaintenance* maintenance, const grpc::CallbackServerCont
     End(may);
     return;
   }
-  maintenance->Post([this, maintenance, context, map] {
+  maintenance->Post([this, maintenance, context, map, about = AboutCall(*context, map)] {
+    const LogScope scope(&about);
     const absl::Status status = Begin(*maintenance, *context, map);
     if (!status.ok()) End(status);
   });

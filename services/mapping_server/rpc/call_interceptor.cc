@@ -7,6 +7,7 @@
 #include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/log_limit.h"
 #include "overtone/services/mapping_server/request_id.h"
+#include "overtone/services/mapping_server/rpc/call_fields.h"
 
 namespace overtone {
 namespace {
@@ -40,6 +41,7 @@ CallInterceptor::CallInterceptor(MethodMetrics* metrics, grpc::experimental::Ser
 
 CallInterceptor::~CallInterceptor() {
   --metrics_->in_progress;
+  CallFields::Get().Take(info_->server_context());
   if (ended_) return;
   // It never came to a status: the peer went away.
   const std::chrono::duration<double> duration = Clock::now() - begin_;
@@ -86,7 +88,9 @@ void CallInterceptor::OnStatus(Methods* methods) {
 
 void CallInterceptor::Log(const grpc::Status& status) const {
   if (IsOrdinaryEnd(status.error_code())) return;
-  LogFields fields;
+  // A stream's are those of the thread that ends it.
+  LogFields fields = CallFields::Get().Take(info_->server_context());
+  if (fields.map.empty() && LogScope::Fields() != nullptr) fields = *LogScope::Fields();
   fields.request_id = request_id_;
   const LogScope scope(&fields);
   const std::string code = CodeName(status.error_code());

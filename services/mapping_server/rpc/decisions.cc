@@ -5,6 +5,7 @@
 #include <string>
 
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/request_id.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -21,11 +22,14 @@ grpc::ServerUnaryReactor* Decide(grpc::CallbackServerContext* context, const Map
     reactor->Finish(ToGrpcStatus(map.status()));
     return reactor;
   }
-  ((**map).*decide)(request.id(), [reactor, verb, map = request.map(),
-                                   id = request.id()](const absl::Status& status) {
-    if (status.ok()) spdlog::info("map {}: an operator {} loop closure {}", map, verb, id);
-    reactor->Finish(ToGrpcStatus(status));
-  });
+  ((**map).*decide)(request.id(),
+                    [reactor, verb, map = request.map(), id = request.id(),
+                     about = AboutCall(*context, request.map())](const absl::Status& status) {
+                      const LogScope scope(&about);
+                      if (status.ok())
+                        spdlog::info("map {}: an operator {} loop closure {}", map, verb, id);
+                      reactor->Finish(ToGrpcStatus(status));
+                    });
   return reactor;
 }
 
@@ -53,8 +57,10 @@ grpc::ServerUnaryReactor* RollBack(grpc::CallbackServerContext* context,
     return reactor;
   }
   (*map)->RollBack(request.revision(),
-                   [reactor, response, map = request.map(), revision = request.revision()](
+                   [reactor, response, map = request.map(), revision = request.revision(),
+                    about = AboutCall(*context, request.map())](
                        const absl::StatusOr<HostedMap::RolledBack>& result) {
+                     const LogScope scope(&about);
                      if (result.ok()) {
                        spdlog::info("map {}: rolled back to revision {}, {} loop closures vetoed",
                                     map, revision, result->vetoed);

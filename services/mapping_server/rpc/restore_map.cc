@@ -9,6 +9,7 @@
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/limits.h"
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/rpc/housekeeping.h"
 
 namespace overtone {
@@ -71,6 +72,8 @@ absl::Status RestoreMap::CheckWhole() {
 }
 
 absl::Status RestoreMap::Restore() {
+  const LogFields about = LogFieldsOf(header_.map());
+  const LogScope scope(&about);
   if (context_->IsCancelled()) return absl::CancelledError("the peer is gone");
   ASSIGN_OR_RETURN(MapMaintenance::Restored restored,
                    maintenance_->Restore(header_.map(), header_.replace(), *file_));

@@ -86,7 +86,7 @@ absl::StatusOr<AccessControl::MapFilter> AccessControl::VisibleMaps(
   const std::shared_ptr<const Rules> rules = CurrentRules();
   if (rules == nullptr) return MapFilter([](const std::string&) { return true; });
   ASSIGN_OR_RETURN(PeerIdentity peer, Authenticate(*rules, PeerCertificateOf(context)));
-  RETURN_IF_ERROR(MustBeOperator(peer));
+  RETURN_IF_ERROR(overtone::MustBeOperator(peer));
   return MapFilter([rules, peer = std::move(peer)](const std::string& map) {
     return rules->rules.IsGranted(peer, map);
   });

@@ -7,6 +7,7 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/services/mapping_server/failpoint.h"
+#include "overtone/services/mapping_server/log_fields.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -80,6 +81,8 @@ absl::Status StoreWriter::Reload() {
 }
 
 void StoreWriter::Run() {
+  const LogFields about = LogFieldsOf(options_.map);
+  const LogScope scope(&about);
   for (OperationBatch batch = queue_.Take(options_.max_batch_bytes); !batch.empty();
        batch = queue_.Take(options_.max_batch_bytes)) {
     const size_t count = batch.size();

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "absl/status/status.h"
@@ -31,6 +32,8 @@ struct StoreOptions {
   int checkpoint_pages = 4000;
   // Told of every commit; null: nobody.
   StoreInstruments* instruments = nullptr;
+  // Whose store it is, for the log.
+  std::string map;
 };
 
 // Push, Drain and Backlog are thread-safe. All else by one thread.

@@ -168,6 +168,8 @@ TEST_F(ClosureCommandsTest, ForcedVetoedAndRolledBackTheMapFollows) {
                                      before, "; the map goes on in epoch ")));
   Settle("mine");
   EXPECT_THAT(OutputOf({"closures", "--verdict", "vetoed_by_operator"}), HasSubstr(kWrong));
+  EXPECT_EQ(OutputOf({"veto", kRight, "--json"}),
+            absl::StrCat("{\"decision\":\"vetoed\",\"id\":\"", kRight, "\"}\n"));
   EXPECT_EQ(OutputOf({"veto", kRight, kWrong}),
             absl::StrCat("vetoed ", kRight, "; the next revision holds the result\nvetoed ", kWrong,
                          "; the next revision holds the result\n"));
@@ -187,7 +189,7 @@ TEST_F(ClosureCommandsTest, WhatDoesNotExistIsSaidOnStandardError) {
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("nowhere"));
   outcome = RunAt("localhost:1", {"status", "--timeout", "2"});
-  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_THAT(outcome.err, HasSubstr("localhost:1"));
 }
 

@@ -158,6 +158,32 @@ TEST(FastFilter, AgreesAcrossTheLineBetweenKrylovAndChebyshev) {
   }
 }
 
+// From 2,000 nodes on the basis is kept in single precision, unless the tolerance asks for more.
+TEST(KrylovFilter, SinglePrecisionIsEnoughForItsTolerance) {
+  const SyntheticTeam team = MakeSyntheticTeam(2500);
+  const SparseMatrix laplacian = team.Laplacian();
+  const Eigen::VectorXd signal = team.DifferenceSignal();
+  const auto reference = KrylovFilter(laplacian, signal, 6, 1e-8, 1000);
+  const auto compact = KrylovFilter(laplacian, signal, 6, 1e-4, 600);
+  ASSERT_TRUE(reference.ok() && compact.ok()) << reference.status() << compact.status();
+  EXPECT_LT(compact->order, reference->order);
+  EXPECT_LT(RelativeError(compact->coefficients, reference->coefficients), 1e-4);
+}
+
+TEST(FastFilter, AKnownLmaxNeedNotBeFound) {
+  for (const int num_signals : {1, 6}) {  // by Krylov, by Chebyshev
+    const SyntheticTeam team = MakeSyntheticTeam(3500);
+    const SparseMatrix laplacian = team.Laplacian();
+    const Eigen::MatrixXd signals = team.LogDifferenceSignal().leftCols(num_signals);
+    const auto searched = FastFilter(laplacian, signals, 6, 1e-4);
+    ASSERT_TRUE(searched.ok()) << searched.status();
+    const auto known = FastFilter(laplacian, signals, 6, 1e-4, searched->lmax);
+    ASSERT_TRUE(known.ok()) << known.status();
+    EXPECT_EQ(known->lmax, searched->lmax);
+    EXPECT_LT(RelativeError(known->coefficients, searched->coefficients), 2e-4);
+  }
+}
+
 // Large degrees: the tridiagonal eigensolver once gave up on such scales.
 TEST(KrylovFilter, ConvergesOnGraphsOfEveryScale) {
   const SyntheticTeam team = MakeSyntheticTeam(2000);

@@ -2,14 +2,19 @@
 #include "overtone/services/mapping_server/cloud_exporter.h"
 
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "absl/synchronization/notification.h"
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "overtone/core/graph/point_cloud_io.h"
+#include "overtone/tests/services/mapping_server/cloud_fixture.h"
 #include "overtone/tests/services/mapping_server/server_fixture.h"
+#include "overtone/tests/services/mapping_server/store_fixture.h"
 #include "overtone/tests/support/temporary_directory.h"
 
 namespace overtone {
@@ -59,23 +64,51 @@ TEST_F(CloudExporterTest, WorkThatNobodyWantsAnyMoreEnds) {
   EXPECT_TRUE(wanted->status.ok()) << wanted->status;
 }
 
-// Two of full size: one in the making, one made whose reader takes its time.
-TEST_F(CloudExporterTest, MemoryIsReservedUntilTheFileIsGone) {
-  CloudExporter exporter(&registry_);
+// A peer that takes its time keeps its points in memory.
+TEST_F(CloudExporterTest, PointsAreCountedUntilTheirFileIsGone) {
+  const std::string blob = testing::EncodedCloud(1, 50);
+  const auto map = *registry_.Find("mine");
+  ASSERT_TRUE(testing::Append(map->store(),
+                              testing::RecordOf({"anna", "run1"},
+                                                testing::MakeSubmapWithClouds(0, 0, 3, {blob})))
+                  .ok());
+  ASSERT_TRUE(testing::PutBlob(map->store(), blob).ok());
+  while (map->published().snapshot->missions.empty()) std::this_thread::yield();
+  CloudExporter exporter(&registry_, /*max_points=*/70);
+  request_.set_max_points(70);
   const auto made = Start(exporter, [] { return true; });
   made->done.WaitForNotification();
-  ASSERT_TRUE(made->status.ok());
+  ASSERT_TRUE(made->status.ok()) << made->status;
+  const auto refused = Start(exporter, [] { return true; });
+  refused->done.WaitForNotification();
+  EXPECT_EQ(refused->status.code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_THAT(std::string(refused->status.message()),
+              HasSubstr("max_points: 70 is more than the 20 that exports"));
+  request_.set_max_points(20);  // as many as are left
+  const auto small = Start(exporter, [] { return true; });
+  small->done.WaitForNotification();
+  EXPECT_TRUE(small->status.ok()) << small->status;
+  made->file = nullptr;
+  small->file = nullptr;
+  request_.set_max_points(70);
+  const auto again = Start(exporter, [] { return true; });
+  again->done.WaitForNotification();
+  EXPECT_TRUE(again->status.ok()) << again->status;
+}
+
+// One export in the making holds up the next, and a request that is wrong neither.
+TEST_F(CloudExporterTest, ExportsAreMadeOneAfterTheOther) {
+  CloudExporter exporter(&registry_);
   absl::Notification go_on;
   const auto making = Start(exporter, [&go_on] {
     go_on.WaitForNotification();
     return true;
   });
-  const auto refused = Start(exporter, [] { return true; });
-  ASSERT_TRUE(refused->done.HasBeenNotified());  // at once
-  EXPECT_EQ(refused->status.code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_THAT(std::string(refused->status.message()), HasSubstr("max_points"));
-  made->file = nullptr;
   const auto next = Start(exporter, [] { return true; });
+  request_.set_max_points(-1);
+  const auto wrong = Start(exporter, [] { return true; });
+  EXPECT_TRUE(wrong->done.HasBeenNotified());
+  EXPECT_FALSE(making->done.HasBeenNotified());
   EXPECT_FALSE(next->done.HasBeenNotified());
   go_on.Notify();
   making->done.WaitForNotification();

@@ -118,6 +118,7 @@ TEST_F(RequestIdTest, TheCallersIdComesBack) {
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_THAT(lines[0]["message"].get<std::string>(),
               MatchesRegex("MappingService/GetGraph from ipv[46].* refused: NOT_FOUND: map: .*"));
+  EXPECT_EQ(lines[0]["map"], "nowhere");
 }
 
 TEST_F(RequestIdTest, WithoutOneTheServerMakesOne) {
@@ -136,10 +137,30 @@ TEST_F(RequestIdTest, WithoutOneTheServerMakesOne) {
 TEST_F(RequestIdTest, AnIdThatIsNoneIsReplaced) {
   for (const std::string& bad :
        {std::string(65, 'a'), std::string("a b"), std::string("a\"b"), std::string("")}) {
-    EXPECT_THAT(Call({bad}, /*refused=*/true).initial, MatchesRegex("[0-9a-f]{16}")) << bad;
+    EXPECT_THAT(Call({bad}, /*refused=*/false).initial, MatchesRegex("[0-9a-f]{16}")) << bad;
   }
-  EXPECT_EQ(Call({std::string(64, 'a')}, /*refused=*/true).initial, std::string(64, 'a'));
-  EXPECT_EQ(Call({"first", "second"}, /*refused=*/true).initial, "first");
+  EXPECT_EQ(Call({std::string(64, 'a')}, /*refused=*/false).initial, std::string(64, 'a'));
+  EXPECT_EQ(Call({"first", "second"}, /*refused=*/false).initial, "first");
+}
+
+TEST_F(RequestIdTest, AnOperatorsCallIsAboutItsMap) {
+  Upload("mine", kAnna, 1, 3);
+  v1::VetoLoopClosureRequest request;
+  request.set_map("mine");
+  request.set_id("anna/run1:0>bert/run1:2#0");
+  for (const std::string& id : {"veto-1", "veto-2"}) {
+    grpc::ClientContext context;
+    context.set_deadline(testing::Deadline());
+    context.AddMetadata(kRequestIdKey, id);
+    v1::VetoLoopClosureResponse response;
+    admin_->VetoLoopClosure(&context, request, &response);
+    request.set_map("\x1b[2J");  // no id: not in the fields
+  }
+  const std::vector<nlohmann::json> first = LinesAbout("veto-1"), second = LinesAbout("veto-2");
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(first[0]["map"], "mine");
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_FALSE(second[0].contains("map"));
 }
 
 TEST_F(RequestIdTest, ARefusedStreamHasOneToo) {

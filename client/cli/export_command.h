@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+// `overtone export`: a map as a file of another program's.
+#ifndef OVERTONE_CLIENT_CLI_EXPORT_COMMAND_H_
+#define OVERTONE_CLIENT_CLI_EXPORT_COMMAND_H_
+
+#include <functional>
+
+#include "CLI/CLI.hpp"
+
+namespace overtone {
+
+// `run` receives what to do when the subcommand was chosen; it returns the exit code.
+void AddExportCommand(CLI::App* app, std::function<int()>* run);
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_CLI_EXPORT_COMMAND_H_

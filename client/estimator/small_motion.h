@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Exp(xi) and its right Jacobian together, for what an odometry step is in error.
+#ifndef OVERTONE_CLIENT_ESTIMATOR_SMALL_MOTION_H_
+#define OVERTONE_CLIENT_ESTIMATOR_SMALL_MOTION_H_
+
+#include "Eigen/Core"
+#include "overtone/client/estimator/twist_matrix.h"
+#include "overtone/core/geometry/se3.h"
+
+namespace overtone {
+
+struct SmallMotion {
+  Eigen::Matrix3d rotation;  // of Exp(xi)
+  Eigen::Vector3d translation;
+  TwistMatrix right_jacobian;  // Exp(xi + delta) = Exp(xi) Exp(J delta) + O(|delta|^2); J xi = xi
+
+  // Any finite xi; fastest below a fifth of a radian, where the series converge in five terms.
+  explicit SmallMotion(const Vector6d& xi);
+};
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CLIENT_ESTIMATOR_SMALL_MOTION_H_

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// 100 missions of 1,000 nodes each. Prints how fast they are drawn and updated; here that is on the processor (SwiftShader), not on a
+// graphics card, so only what does not depend on the machine is asserted.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Browser, startStage } from './browser.mjs';
+
+const FRAMES = 60;
+let stage;
+let browser;
+let page;
+
+before(async () => {
+  stage = await startStage('--robots', '100', '--nodes', '1000');
+  browser = await Browser.start();
+  page = browser.page;
+  await page.goto(stage.address);
+  await page.waitForFunction(() => window.overtone.model.tracks.positions.size === 100 && window.overtone.model.tracks.odometry.size === 100
+    && window.overtone.model.closures.length > 0 && window.overtone.model.tracks.discrepancy.size === 100);
+});
+
+after(async () => {
+  await browser?.close();
+  await stage?.stop();
+});
+
+test('100,000 nodes are drawn in a few calls', async () => {
+  await page.evaluate(() => document.querySelectorAll('#legend input[type=checkbox]').forEach((box) => box.checked || box.click()));
+  const result = await page.evaluate(async (frames) => {
+    const { stage: view, world } = window.overtone;
+    const gl = view.renderer.getContext();
+    const pixel = new Uint8Array(4);
+    const times = [];
+    for (let i = 0; i < frames; ++i) {
+      await new Promise(requestAnimationFrame);
+      const start = performance.now();
+      view.turn(0.05, 0);
+      view.draw();
+      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel); // until the frame is done
+      times.push(performance.now() - start);
+    }
+    times.sort((a, b) => a - b);
+    const layers = [world.paths, world.apart, world.odometry, world.heat];
+    return { median: times[frames / 2], slowest: times[frames - 1], calls: view.renderer.info.render.calls, segments: layers.map((layer) => layer.segments) };
+  }, FRAMES);
+  console.log(`speed: frame ${result.median.toFixed(1)} ms (${(1000 / result.median).toFixed(0)} frames/s), slowest ${result.slowest.toFixed(1)} ms, ${result.calls} draw calls, segments ${result.segments}; software GL`);
+  await browser.shot('speed');
+  assert.equal(result.segments[0] + result.segments[1], 100 * 999);
+  assert.equal(result.segments[2], 100 * 999);
+  assert.ok(result.calls <= 20);
+});
+
+test('a revision that moves everything is taken over', async () => {
+  await page.evaluate(() => {
+    const { world } = window.overtone;
+    window.updates = [];
+    for (const name of ['update', 'updateClosures', 'updateRobots']) {
+      const call = world[name].bind(world);
+      world[name] = (...args) => {
+        const start = performance.now();
+        call(...args);
+        window.updates.push([name, performance.now() - start]);
+      };
+    }
+  });
+  const seen = await page.evaluate(() => window.overtone.model.state.summary.revision);
+  await stage.say('advance');
+  await page.waitForFunction((revision) => window.overtone.model.revisions[0]?.revision > revision, seen);
+  const updates = await page.evaluate(() => window.updates);
+  console.log(`speed: update ${updates.map(([name, time]) => `${name} ${time.toFixed(1)} ms`).join(', ')}`);
+  assert.ok(updates.some(([name]) => name === 'update'));
+});
+
+test('a frame without change is not drawn', async () => {
+  const draws = await page.evaluate(async () => {
+    const { stage: view } = window.overtone;
+    let count = 0;
+    const draw = view.renderer.render.bind(view.renderer);
+    await new Promise(requestAnimationFrame);
+    await new Promise(requestAnimationFrame);
+    view.renderer.render = (...args) => { ++count; draw(...args); };
+    for (let i = 0; i < 10; ++i) await new Promise(requestAnimationFrame);
+    return count;
+  });
+  assert.ok(draws <= 2, `${draws} of 10`);
+});
