@@ -22,7 +22,7 @@ trap cleanup EXIT
 mkdir "$tree"
 git -C "$source_dir" archive HEAD | tar -x -C "$tree"
 
-compose up -d --no-build mapping-server prometheus >"$work/up.log" 2>&1 || fail "compose up: $(cat "$work/up.log")"
+compose up -d --no-build mapping-server dashboard prometheus >"$work/up.log" 2>&1 || fail "compose up: $(cat "$work/up.log")"
 server=$(compose ps -q mapping-server)
 serves() { docker exec "$server" /usr/bin/overtone-health --tls-ca "$certs/ca.crt" --tls-cert "$certs/operator-probe.crt" --tls-key "$certs/operator-probe.key"; }
 healthy() { [ "$(docker inspect -f '{{.State.Health.Status}}' "$server")" = healthy ]; }
@@ -106,6 +106,13 @@ echo "== Prometheus"
 prometheus=$(compose ps -q prometheus)
 scraped() { docker exec "$prometheus" promtool query instant http://localhost:9090 'overtone_keyframes{map="default"}' | grep -q "=> 20061 "; }
 wait_until 60 scraped >/dev/null || fail "Prometheus: $(docker exec "$prometheus" promtool query instant http://localhost:9090 '{job="overtone"}' 2>&1 | tail -n 5)"
+
+echo "== the dashboard"
+page=$(docker inspect -f '{{(index (index .NetworkSettings.Ports "8080/tcp") 0).HostPort}}' "$(compose ps -q dashboard)")
+fetched() { python3 -c 'import sys, urllib.request; print(urllib.request.urlopen(sys.argv[1], timeout=5).read().decode())' "http://localhost:$page$1"; }
+fetched / | grep -q '<title>' || fail "no page"
+shown() { fetched /api/state | grep -q 20061; }
+wait_until 60 shown >/dev/null || fail "the page does not know the map: $(fetched /api/state | head -c 500)"
 
 echo "== without rights, and ended in order"
 [ "$(docker inspect -f '{{.HostConfig.ReadonlyRootfs}} {{.Config.User}} {{.HostConfig.CapDrop}}' "$server")" = "true 65532:65532 [ALL]" ] \

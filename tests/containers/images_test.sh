@@ -9,7 +9,7 @@ trap 'rm -rf "$work"' EXIT
 "$source_dir/tests/containers/warm_ccache.sh" || true
 
 revision=$(git -C "$source_dir" rev-parse HEAD)
-for image in server client prometheus; do
+for image in server client dashboard prometheus; do
   begin=$(now_ms)
   git -C "$source_dir" archive HEAD | docker build --progress plain --build-arg "REVISION=$revision" -f "docker/$image.Dockerfile" \
     -t "overtone-$image" - >"$work/$image.log" 2>&1 || fail "building $image: $(tail -n 40 "$work/$image.log")"
@@ -18,7 +18,7 @@ done
 
 field() { docker image inspect -f "$2" "overtone-$1"; }
 version=$(sed -n 's/^project(overtone VERSION \([0-9.]*\).*/\1/p' "$source_dir/CMakeLists.txt")
-for limit in server:250 client:80; do
+for limit in server:250 client:80 dashboard:80; do
   image=${limit%:*}
   [ "$(field "$image" '{{.Size}}')" -lt "${limit#*:}000000" ] || fail "$image is larger than ${limit#*:} MB"
   [ "$(field "$image" '{{.Config.User}}')" = 65532:65532 ] || fail "$image runs as $(field "$image" '{{.Config.User}}')"
@@ -42,6 +42,9 @@ assert packages["SPDXRef-overtone"]["versionInfo"] == version
 for r in sbom["relationships"]:
     assert r["relatedSpdxElement"] in packages and (r["spdxElementId"] in packages or r["spdxElementId"] == "SPDXRef-DOCUMENT"), r
 inside = {packages[r["relatedSpdxElement"]]["name"] for r in sbom["relationships"] if r["relationshipType"] == "CONTAINS"}
+npm = {p["name"] for p in sbom["packages"] if "pkg:npm/" in str(p.get("externalRefs"))}
+assert npm == ({"three"} if root.endswith("dashboard") else set()), npm
+inside -= npm
 assert inside == set(os.listdir(f"{root}/var/lib/dpkg/status.d")), inside
 for name in inside:
     assert os.path.getsize(f"{root}/usr/share/doc/{name}/copyright") > 0, name
