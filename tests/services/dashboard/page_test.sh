@@ -9,11 +9,11 @@ skip() { echo "SKIPPED: $1"; exit 77; }
 command -v node >/dev/null || skip "no node"
 [ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ] || skip "node is older than 18"
 if [ "$name" != functions ]; then
-  [ -n "${OVERTONE_PAGE:-}" ] && [ -f "$OVERTONE_PAGE/index.html" ] || skip "the page was not built (no npm, or OVERTONE_BUILD_WEB is OFF)"
+  [ -n "${PAGE_TEST_PAGE:-}" ] && [ -f "$PAGE_TEST_PAGE/index.html" ] || skip "the page was not built (no npm, or OVERTONE_BUILD_WEB is OFF)"
 fi
 case $name in
   page|live|speed)
-    [ -d "$OVERTONE_WEB/node_modules/playwright-core" ] || skip "playwright-core is not installed (npm ci in $OVERTONE_WEB)"
+    [ -d "$PAGE_TEST_WEB/node_modules/playwright-core" ] || skip "playwright-core is not installed (npm ci in $PAGE_TEST_WEB)"
     for candidate in "${CHROMIUM:-}" chromium chromium-browser google-chrome; do
       [ -n "$candidate" ] && CHROMIUM=$(command -v "$candidate") && break
     done

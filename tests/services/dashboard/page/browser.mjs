@@ -7,8 +7,8 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { createInterface } from 'node:readline';
 
-const { chromium } = createRequire(join(process.env.OVERTONE_WEB, 'package.json'))('playwright-core');
-const shots = process.env.OVERTONE_SHOTS ?? join(process.env.OVERTONE_PAGE, '..', 'screenshots');
+const { chromium } = createRequire(join(process.env.PAGE_TEST_WEB, 'package.json'))('playwright-core');
+const shots = process.env.PAGE_TEST_SHOTS ?? join(process.env.PAGE_TEST_PAGE, '..', 'screenshots');
 
 export const flags = ['--no-sandbox', '--disable-gpu', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
   '--disable-background-networking', '--no-first-run', '--disable-component-update', '--disable-sync'];
@@ -76,4 +76,4 @@ export async function run(program, args) {
   if (code !== 0) throw new Error(`${program} ${args.join(' ')} ended with ${code}`);
 }
 
-export const startStage = (...args) => Process.start(process.env.OVERTONE_STAGE, ['--web-root', process.env.OVERTONE_PAGE, ...args]);
+export const startStage = (...args) => Process.start(process.env.PAGE_TEST_STAGE, ['--web-root', process.env.PAGE_TEST_PAGE, ...args]);

@@ -6,7 +6,7 @@ import { join } from 'node:path';
 import { test } from 'node:test';
 import { gzipSync } from 'node:zlib';
 
-const page = process.env.OVERTONE_PAGE;
+const page = process.env.PAGE_TEST_PAGE;
 const MAX_KB = 800;
 const MAX_GZIP_KB = 220;
 

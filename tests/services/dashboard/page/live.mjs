@@ -7,7 +7,7 @@ import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { Browser, Process, run } from './browser.mjs';
 
-const { OVERTONE_SERVER: server, OVERTONE_DASHBOARD: dashboard, OVERTONE_PROGRAM: program, OVERTONE_PAGE: root } = process.env;
+const { PAGE_TEST_SERVER: server, PAGE_TEST_DASHBOARD: dashboard, PAGE_TEST_PROGRAM: program, PAGE_TEST_PAGE: root } = process.env;
 const folder = mkdtempSync(join(tmpdir(), 'overtone-live-'));
 const started = [];
 let browser;

@@ -30,7 +30,7 @@ export class Legend {
     this.heat = make('div', { class: 'heat-control' }, this.scale, this.band);
     this.note = make('small', { class: 'note', role: 'status' });
     const closures = VERDICT_GROUPS.map((group) => this.#entry(group.key, `closures ${group.name}`, 1.8, shapeIcon(group.shape, group.key)));
-    byId('legend').append(make('details', { open: innerHeight > 620 }, make('summary', {}, 'Layers'), make('div', { class: 'entries' },
+    byId('legend').append(make('details', { open: innerHeight > 620 && innerWidth > 860 }, make('summary', {}, 'Layers'), make('div', { class: 'entries' },
       this.#entry('paths', 'map: each robot its colour', 2.6),
       this.#entry('apart', 'not in the map', 2),
       this.#entry('odometry', 'odometry as uploaded', 1.2),

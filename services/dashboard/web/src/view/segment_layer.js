@@ -5,6 +5,7 @@ import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineDashedMaterial,
 import { Ribbon } from './ribbon.js';
 
 const MAX_WIDE_SEGMENTS = 40_000;
+const COARSE_SEGMENTS = 8_000; // about as many while the camera moves, where it must
 const FOREVER = new Sphere(undefined, Infinity); // nothing is culled: one object holds everything
 
 export class SegmentLayer {
@@ -13,6 +14,8 @@ export class SegmentLayer {
   #used = 0;
   #dash;
   #drawn = null; // this.wide, this.thin or neither
+  #detail = true;
+  #coarseIsOld = true;
 
   /** @param {{width: number, dash?: number[], opacity?: number, order?: number}} style in pixels */
   constructor(parent, style) {
@@ -22,8 +25,9 @@ export class SegmentLayer {
     this.wide = new Ribbon(style.width, style.opacity ?? 1, this.#dash);
     this.thin = new LineSegments(new BufferGeometry(),
       this.#dash ? new LineDashedMaterial({ ...common, ...dashes }) : new LineBasicMaterial(common));
-    this.thin.frustumCulled = false;
-    for (const object of [this.wide.mesh, this.thin]) {
+    this.coarse = new LineSegments(new BufferGeometry(), this.thin.material);
+    this.thin.frustumCulled = this.coarse.frustumCulled = false;
+    for (const object of [this.wide.mesh, this.thin, this.coarse]) {
       object.renderOrder = style.order ?? 0;
       parent.add(object);
     }
@@ -38,6 +42,12 @@ export class SegmentLayer {
 
   setVisible(visible) {
     this.visible = visible;
+    this.#choose();
+  }
+
+  /** False: a layer of very many segments is drawn with every n-th node alone. */
+  setDetail(detail) {
+    this.#detail = detail;
     this.#choose();
   }
 
@@ -171,10 +181,15 @@ export class SegmentLayer {
     if (this.#dash) this.thinBuffers.push(attribute('lineDistance', this.distances, 1));
     geometry.boundingSphere = FOREVER;
     this.thin.geometry = geometry;
+    this.coarse.geometry.dispose();
+    this.coarse.geometry = new BufferGeometry();
+    for (const [name, made] of Object.entries(geometry.attributes)) this.coarse.geometry.setAttribute(name, made);
+    this.coarse.geometry.boundingSphere = FOREVER;
   }
 
   // Only what changed goes to the graphics card, and only for what is drawn: the renderer forgets ranges when it has sent them.
   #upload(start, count) {
+    this.#coarseIsOld = true;
     if (this.#drawn === this.wide) this.wide.write(this, start, count);
     if (this.#drawn !== this.thin) return;
     this.thinBuffers.forEach((buffer, i) => {
@@ -196,7 +211,21 @@ export class SegmentLayer {
     }
     this.wide.setCount(end);
     this.thin.geometry.setDrawRange(0, 2 * end);
+    const coarse = drawn === this.thin && !this.#detail;
+    if (coarse && this.#coarseIsOld) this.#makeCoarse();
     this.wide.visible = drawn === this.wide;
-    this.thin.visible = drawn === this.thin;
+    this.thin.visible = drawn === this.thin && !coarse;
+    this.coarse.visible = coarse;
+  }
+
+  // From the start of a segment to the end of the n-th after it, in the same arrays.
+  #makeCoarse() {
+    const every = Math.max(1, Math.ceil(this.#used / COARSE_SEGMENTS));
+    const index = [];
+    for (const { start, used } of this.#slots.values()) {
+      for (let i = 0; i < used; i += every) index.push(2 * (start + i), 2 * (start + Math.min(i + every, used)) - 1);
+    }
+    this.coarse.geometry.setIndex(index);
+    this.#coarseIsOld = false;
   }
 }

@@ -7,6 +7,9 @@ const TURN_RAD = Math.PI / 24;
 const MOVE = 0.08; // of the distance to what is looked at
 const ZOOM = 0.82;
 const GLIDE_MS = 350;
+const SETTLED_MS = 250;
+const SLOW_MS = 45; // between two frames: below it nobody minds
+const SLOW_FRAMES = 2;
 const FREE_SHARE = 0.8; // of the view: labels and the slider need some
 
 ColorManagement.enabled = false; // colours are those of the page's palette, as written
@@ -17,15 +20,21 @@ export class Stage {
   #resized = [];
   #drawn = [];
   #inset = 0;
+  #detail = [];
+  #lastMove = 0;
+  #lastFrame = null;
+  #slowFrames = 0;
 
   touched = false; // somebody looks where they want to
+  isMoving = false;
+  hasDetail = true;
 
   constructor(host) {
     this.host = host;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(45, 1, 0.1, 1e5);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(0, -60, 60);
+    this.camera.position.set(0, -50, 65);
     this.renderer = new WebGLRenderer({ antialias: true, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
@@ -35,7 +44,7 @@ export class Stage {
     this.controls.maxPolarAngle = Math.PI * 0.495;
     this.controls.screenSpacePanning = false;
     this.controls.mouseButtons = { LEFT: MOUSE.ROTATE, MIDDLE: MOUSE.PAN, RIGHT: MOUSE.PAN };
-    this.controls.addEventListener('change', () => this.invalidate());
+    this.controls.addEventListener('change', () => this.#moved());
     this.controls.addEventListener('start', () => this.#touch());
     new ResizeObserver(() => this.#resize()).observe(host);
     host.addEventListener('keydown', (event) => this.#key(event));
@@ -62,6 +71,35 @@ export class Stage {
   setInset(pixels) {
     this.#inset = pixels;
     this.#resize();
+  }
+
+  /** Called with false while the camera moves where frames take too long, and with true when it stands again. */
+  onDetail(call) {
+    this.#detail.push(call);
+  }
+
+  #moved() {
+    this.#lastMove = performance.now();
+    this.isMoving = true;
+    this.invalidate();
+  }
+
+  // A graphics card draws everything always; without one, motion is shown in fewer lines.
+  #watchPace(now) {
+    const late = this.#lastFrame !== null && now - this.#lastFrame > SLOW_MS;
+    this.#lastFrame = this.isMoving ? now : null;
+    if (this.isMoving && late && ++this.#slowFrames >= SLOW_FRAMES) this.#setDetail(false);
+    if (!this.isMoving || now - this.#lastMove < SETTLED_MS) return;
+    this.isMoving = false;
+    this.#slowFrames = Math.min(this.#slowFrames, SLOW_FRAMES - 1); // remembered: the next motion is not tried long
+    this.#setDetail(true);
+  }
+
+  #setDetail(full) {
+    if (this.hasDetail === full) return;
+    this.hasDetail = full;
+    for (const call of this.#detail) call(full);
+    this.invalidate();
   }
 
   invalidate() {
@@ -138,6 +176,7 @@ export class Stage {
   #loop() {
     requestAnimationFrame((now) => {
       if (this.#glide) this.#stepGlide(now);
+      this.#watchPace(now);
       if (this.#dirty) this.draw();
       this.#loop();
     });

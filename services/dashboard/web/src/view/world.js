@@ -42,6 +42,7 @@ export class World {
     this.robots = new MarkerLayer(root, 'robot', 17, 8);
     this.dashed = [this.apart, this.constraints, ...[...this.closures.values()].map((layer) => layer.lines)];
     stage.onDraw(() => this.#scaleDashes());
+    stage.onDetail((detail) => [this.paths, this.apart, this.odometry, this.heat].forEach((layer) => layer.setDetail(detail)));
   }
 
   // Dashes are pixels long, whatever the zoom; a step of two keeps them from crawling.
