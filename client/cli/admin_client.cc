@@ -66,6 +66,17 @@ absl::StatusOr<std::vector<Item>> AdminClient::AllPages(
   return all;
 }
 
+AdminClient::Link AdminClient::CheckLink() {
+  switch (channel_->GetState(/*try_to_connect=*/true)) {
+    case GRPC_CHANNEL_READY:
+      return Link::kUp;
+    case GRPC_CHANNEL_TRANSIENT_FAILURE:
+      return Link::kLost;
+    default:
+      return Link::kUnknown;
+  }
+}
+
 absl::StatusOr<std::vector<v1::MapSummary>> AdminClient::ListMaps() {
   return AllPages(&v1::MapAdminService::Stub::ListMaps, v1::ListMapsRequest(),
                   &v1::ListMapsResponse::maps);

@@ -24,6 +24,11 @@ class AdminClient {
  public:
   AdminClient(std::string server, absl::Duration timeout, const TlsFiles& tls = TlsFiles());
 
+  // What the connection has come to, without asking the server: up, lost (and being made again), or
+  // neither yet.
+  enum class Link { kUnknown, kUp, kLost };
+  Link CheckLink();
+
   absl::StatusOr<std::vector<v1::MapSummary>> ListMaps();
   // NotFound: no such map.
   absl::StatusOr<v1::MapSummary> GetMap(const std::string& map);

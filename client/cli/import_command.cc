@@ -5,8 +5,10 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/time/clock.h"
 #include "nlohmann/json.hpp"
@@ -51,6 +53,12 @@ void Report(const ImportFlags& flags, const RobotRecording& recording, int64_t t
   }
 }
 
+void LogToStderr(LogLevel level, absl::string_view message) {
+  // A map comes into being with its first submap; closures that overtake it go up again.
+  const bool overtaken = absl::StartsWith(message, "loop closures not sent: NOT_FOUND");
+  if (level != LogLevel::kInfo && !overtaken) std::cerr << absl::StrCat(message, "\n");
+}
+
 absl::Status ImportOne(const ImportFlags& flags, AdminClient& admin,
                        const RobotRecording& recording) {
   ASSIGN_OR_RETURN(const int64_t there, KeyframesThere(admin, flags.map, recording));
@@ -60,9 +68,7 @@ absl::Status ImportOne(const ImportFlags& flags, AdminClient& admin,
   client.tls = flags.robot_certs.empty()
                    ? flags.tls
                    : TlsFilesOfRobot(flags.tls, flags.robot_certs, recording.id.robot);
-  client.log = [](LogLevel level, absl::string_view message) {
-    if (level != LogLevel::kInfo) std::cerr << absl::StrCat(message, "\n");
-  };
+  client.log = LogToStderr;
   RETURN_IF_ERROR(CheckTlsFlags(client.tls, flags.server));
   RETURN_IF_ERROR(UploadRecording(recording, std::move(client), absl::Seconds(flags.timeout_s)));
   Report(flags, recording, there);

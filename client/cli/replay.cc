@@ -154,9 +154,21 @@ class Replay {
     return status;
   }
 
+  // Asked whenever the replay waits, for the robots too.
   absl::Status CheckRunning() {
     RETURN_IF_ERROR(CheckInterrupted());
-    return server_ == nullptr ? absl::OkStatus() : server_->CheckAlive();
+    if (server_ != nullptr) return server_->CheckAlive();
+    const AdminClient::Link link = admin_->CheckLink();
+    if (link != AdminClient::Link::kUnknown) NoteServer(link == AdminClient::Link::kUp);
+    return absl::OkStatus();
+  }
+
+  void NoteServer(bool reachable) {
+    if (std::exchange(reachable_, reachable) == reachable) return;
+    std::cerr << "server " << address_
+              << (reachable ? " is back\n"
+                            : absl::StrCat(" cannot be reached; going on when it returns, within ",
+                                           options_.timeout_s, " s (--timeout)\n"));
   }
 
   absl::Status March(ReplayRecord* record) {
@@ -192,16 +204,11 @@ class Replay {
   template <typename Call>
   auto Patiently(const Call& call) -> decltype(call()) {
     const absl::Time deadline = absl::Now() + absl::Seconds(options_.timeout_s);
-    for (bool lost = false;; lost = true) {
+    for (;;) {
       auto result = call();
-      if (!MayComeBack(result.status()) || server_ != nullptr || absl::Now() >= deadline) {
-        if (lost && result.ok()) std::cerr << "server " << address_ << " is back\n";
-        return result;
-      }
-      if (!lost) {
-        std::cerr << result.status().message() << "\nWaiting up to " << options_.timeout_s
-                  << " s (--timeout) for it to return\n";
-      }
+      const bool lost = server_ == nullptr && MayComeBack(result.status());
+      NoteServer(!lost);
+      if (!lost || absl::Now() >= deadline) return result;
       RETURN_IF_ERROR(SleepUntil(absl::Now() + absl::Milliseconds(500)));
     }
   }
@@ -243,6 +250,7 @@ class Replay {
   TlsFiles tls_;
   std::unique_ptr<ServerProcess> server_;
   std::unique_ptr<AdminClient> admin_;
+  bool reachable_ = true;
   std::unique_ptr<Team> team_;  // ends before the server
 };
 

@@ -266,6 +266,7 @@ function drawConstraints(section, robot) {
   }
   const items = Object.keys(KINDS).filter((kind) => count[kind]).map((kind) => ({key: kind, label: KINDS[kind], colour: `var(--${kind})`}));
   legend(section.querySelector('.kinds'), items, [chart]);
+  if (data.live) section.querySelector('.constraints').parentNode.querySelector('figcaption').firstChild.textContent = 'Constraints of the last comparison ';
   const drawn = robot.constraints.length, total = robot.constraintCount;
   section.querySelector('.constraints').parentNode.querySelector('small').textContent =
     drawn < total ? `${drawn} of ${total} drawn` : `${total}`;

@@ -129,13 +129,15 @@ std::string ClosureTable(const RunResult& result) {
     std::string words = EscapeHtml(verdict);
     std::replace(words.begin(), words.end(), '_', ' ');
     rows.push_back({words, absl::StrCat(count.total), absl::StrCat(count.total - count.inter_robot),
-                    absl::StrCat(count.inter_robot), absl::StrCat(count.by_server),
-                    absl::StrCat(count.outliers), absl::StrCat(count.wrong)});
+                    absl::StrCat(count.inter_robot), absl::StrCat(count.by_server)});
+    if (result.live) continue;  // nobody knows the truth
+    rows.back().push_back(absl::StrCat(count.outliers));
+    rows.back().push_back(absl::StrCat(count.wrong));
   }
-  return Table("The server's verdict on each loop closure.",
-               {"verdict", "closures", "within a robot", "between robots", "the server's own",
-                "wrong on purpose", "wrong by ground truth"},
-               rows);
+  std::vector<std::string> head = {"verdict", "closures", "within a robot", "between robots",
+                                   "the server's own"};
+  if (!result.live) head.insert(head.end(), {"wrong on purpose", "wrong by ground truth"});
+  return Table("The server's verdict on each loop closure.", head, rows);
 }
 
 }  // namespace

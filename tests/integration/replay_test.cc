@@ -126,6 +126,44 @@ TEST_F(ReplayTest, AServerThatDiesAtOnceIsReportedToo) {
   EXPECT_THAT(ReadFile(log_path()), HasSubstr("mapping server was ended by signal 9; see "));
 }
 
+// A server of the user's own, killed on the way and started again.
+TEST_F(ReplayTest, AServerThatReturnsIsWaitedForAndAMissionIsReplayedOnce) {
+  std::string address = "127.0.0.1:0";
+  const auto start_server = [&] {
+    auto server = ChildProcess::Start(
+        {"server",
+         {OVERTONE_SERVER, "--listen", address, "--data-dir", folder_ + "/data"},
+         folder_ + "/server.txt"});
+    EXPECT_TRUE(server.ok()) << server.status();
+    const auto line = (*server)->ReadLine(absl::Seconds(30), NotInterrupted);
+    EXPECT_TRUE(line.ok()) << line.status();
+    address = line->substr(std::string("listening on ").size());
+    return *std::move(server);
+  };
+  auto server = start_server();
+  const std::vector<std::string> arguments = {"--dataset", "example", "--example-duration", "200",
+                                              "--speed",   "20",      "--server",           address,
+                                              "--map",     "town"};
+  auto child = Start(arguments);
+  ASSERT_NE(child, nullptr);
+  ASSERT_NE(LogWith(" s of "), "");  // under way
+  ASSERT_EQ(kill(server->pid(), SIGKILL), 0);
+  server.reset();
+  ASSERT_NE(LogWith("server " + address + " cannot be reached; going on when it returns"), "")
+      << ReadFile(log_path());
+  server = start_server();
+  EXPECT_EQ(Wait(child.get()).message(), "replay ended with exit code 0") << ReadFile(log_path());
+  EXPECT_THAT(ReadFile(log_path()), HasSubstr("server " + address + " is back\n"));
+  EXPECT_EQ(Metrics().at("robots").size(), 3);
+
+  child = Start(arguments);
+  ASSERT_NE(child, nullptr);
+  EXPECT_EQ(Wait(child.get()).message(), "replay ended with exit code 1");
+  const std::string log = ReadFile(log_path());
+  EXPECT_THAT(log, HasSubstr("map town has a mission "));
+  EXPECT_THAT(log, HasSubstr("/run already: --mission NAME replays beside it"));
+}
+
 TEST_F(ReplayTest, AnInterruptEndsEverythingInGoodOrder) {
   const auto child = Start({"--dataset", "example", "--example-duration", "300", "--speed", "20"});
   ASSERT_NE(child, nullptr);
