@@ -54,10 +54,10 @@ std::string FindWebRoot() {
 void DeclareServer(CLI::App& app, DashboardOptions& options) {
   ServerConnection& connection = options.connection;
   app.add_option("--server", connection.server, "host:port of the mapping server")
-      ->envname("OVERTONE_SERVER")
+      ->envname("OVERTONE_DASHBOARD_SERVER")
       ->capture_default_str();
   app.add_option("--map", options.map, "The map to show")
-      ->envname("OVERTONE_MAP")
+      ->envname("OVERTONE_DASHBOARD_MAP")
       ->capture_default_str();
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for one answer of the server")
       ->capture_default_str();

@@ -9,7 +9,7 @@ const ZOOM = 0.82;
 const GLIDE_MS = 350;
 const SETTLED_MS = 250;
 const SLOW_MS = 45; // between two frames: below it nobody minds
-const SLOW_FRAMES = 2;
+const LATE_FRAMES = 3;
 const FREE_SHARE = 0.8; // of the view: labels and the slider need some
 
 ColorManagement.enabled = false; // colours are those of the page's palette, as written
@@ -23,7 +23,7 @@ export class Stage {
   #detail = [];
   #lastMove = 0;
   #lastFrame = null;
-  #slowFrames = 0;
+  #lateFrames = 0;
 
   touched = false; // somebody looks where they want to
   isMoving = false;
@@ -81,17 +81,22 @@ export class Stage {
   #moved() {
     this.#lastMove = performance.now();
     this.isMoving = true;
+    if (this.#lateFrames >= LATE_FRAMES) this.#setDetail(false);
     this.invalidate();
   }
 
-  // A graphics card draws everything always; without one, motion is shown in fewer lines.
+  // A graphics card draws everything always. Where frames of a moving camera were late, motion is shown in fewer lines from then on.
   #watchPace(now) {
-    const late = this.#lastFrame !== null && now - this.#lastFrame > SLOW_MS;
+    const gap = this.#lastFrame === null ? 0 : now - this.#lastFrame;
     this.#lastFrame = this.isMoving ? now : null;
-    if (this.isMoving && late && ++this.#slowFrames >= SLOW_FRAMES) this.#setDetail(false);
-    if (!this.isMoving || now - this.#lastMove < SETTLED_MS) return;
+    if (!this.isMoving) return;
+    if (gap > SLOW_MS) {
+      this.#lastMove = now; // what happened during the frame is still to come
+      if (this.hasDetail) this.#lateFrames += gap > 4 * SLOW_MS ? LATE_FRAMES : 1;
+      if (this.#lateFrames >= LATE_FRAMES) this.#setDetail(false);
+    }
+    if (now - this.#lastMove < SETTLED_MS) return;
     this.isMoving = false;
-    this.#slowFrames = Math.min(this.#slowFrames, SLOW_FRAMES - 1); // remembered: the next motion is not tried long
     this.#setDetail(true);
   }
 
