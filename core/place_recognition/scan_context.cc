@@ -82,8 +82,11 @@ double Peak(double before, double best, double after) {
 }  // namespace
 
 absl::Status ScanContextOptions::Validate() const {
-  if (!(min_range_m > 0 && max_range_m > min_range_m && std::isfinite(max_range_m))) {
-    return absl::InvalidArgumentError("ranges must be finite and 0 < min_range_m < max_range_m");
+  if (!(min_range_m > 0 && std::isfinite(min_range_m))) {
+    return absl::InvalidArgumentError("min_range_m must be positive and finite");
+  }
+  if (!(max_range_m > min_range_m && std::isfinite(max_range_m))) {
+    return absl::InvalidArgumentError("max_range_m must be above min_range_m and finite");
   }
   if (rings < 2 || rings > 1000 || rings % 2 != 0) {
     return absl::InvalidArgumentError(absl::StrCat("rings: ", rings, " is not even in [2, 1000]"));

@@ -4,6 +4,7 @@
 #include "absl/strings/match.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_replace.h"
+#include "absl/strings/string_view.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/services/mapping_server/options_environment.h"
 #include "overtone/services/mapping_server/options_file.h"
@@ -25,10 +26,12 @@ absl::Status SetFlags(const std::map<std::string, std::string>& flags,
   return absl::OkStatus();
 }
 
-// Validate() says "key: why"; who gave the key that value stands before it.
+// Validate() says "key: why" or "key must ..."; who gave the key that value stands before it.
 absl::Status AtSource(const absl::Status& status, const OptionSources& sources) {
   for (const auto& [key, source] : sources) {
-    if (absl::StartsWith(status.message(), absl::StrCat(key, ": "))) {
+    const absl::string_view said = status.message();
+    if (absl::StartsWith(said, absl::StrCat(key, ":")) ||
+        absl::StartsWith(said, absl::StrCat(key, " "))) {
       return absl::Status(status.code(), absl::StrCat(source.place, ": ", status.message()));
     }
   }

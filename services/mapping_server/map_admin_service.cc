@@ -125,7 +125,7 @@ grpc::ServerUnaryReactor* MapAdminService::GetStatusReport(
 grpc::ServerUnaryReactor* MapAdminService::GetConfiguration(
     grpc::CallbackServerContext* context, const v1::GetConfigurationRequest*,
     v1::GetConfigurationResponse* response) {
-  return Guarded(context, access_->MustBeOperator(*context), [&] {
+  return Guarded(context, access_->MayOperate(*context), [&] {
     return Answer<v1::GetConfigurationResponse>(context, configuration_, response);
   });
 }

@@ -53,6 +53,7 @@ class Reader {
   }
 
   void ReadScalar(const YAML::Node& name, const std::string& key, const YAML::Node& value) {
+    if (mistakes_.size() == kMaxMistakes) return;  // not worth the search for what was meant
     const Option* option = Find(key);
     if (option == nullptr) {
       return Mistake(name.Mark(), absl::StrCat("unknown key '", key, "'",

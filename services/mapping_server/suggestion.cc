@@ -10,6 +10,8 @@
 namespace overtone {
 namespace {
 
+constexpr size_t kLongestName = 200;  // the distance to anything longer is not worth its time
+
 absl::string_view LastPart(absl::string_view name) {
   const size_t dot = name.rfind('.');
   return dot == absl::string_view::npos ? name : name.substr(dot + 1);
@@ -39,6 +41,7 @@ int EditDistance(absl::string_view a, absl::string_view b) {
 }
 
 std::string NearestName(absl::string_view wanted, const std::vector<std::string>& known) {
+  if (wanted.size() > kLongestName) return "";
   int smallest = std::max<int>(2, static_cast<int>(wanted.size() / 3)) + 1;
   absl::string_view nearest;
   for (const std::string& name : known) {

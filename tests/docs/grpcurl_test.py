@@ -32,8 +32,8 @@ EXPECTED = {
     "Which configuration is in force?": [[r'\["listen","localhost:0","flag"\]', r'\["quotas.max_calls_per_s","0","file"\]']],
     "Which maps are there, and does the server keep up?": [['"map":"town"', '"keyframes":"82"', '"components":1']],
     "Which robots are connected?": [['"robot":"anna","uploading":true,"watching":true', r'"robot":"bert","uploading":(null|false)']],
-    "What did bert get last?": [[r'"bytesSent":"?\d+'], ['"revision"']],
-    "Who has the largest backlog?": [['"robot":"anna"']],
+    "What did bert get last?": [[r'"bytesSent":"?\d+'], ['"revision": "1"', '"added": 3', '"applied": true']],
+    "Who has the largest backlog?": [[r'\A{"robot":"bert","bytesWaiting":2000,']],
     "How far has an upload come?": [['"nextSequence": "1"', '"nextIndex": "41"']],
     "Why is there no loop here?": [["anna/run:20"]],
     "Which closures were demoted?": [[r'"id":"anna/run:2>anna/run:38#0","chiSquare":\d+'],
@@ -65,8 +65,11 @@ def ask(command, folder, path):
         command = "{ " + command.rstrip() + "\n} | head -n 1"
     done = subprocess.run(["bash", *([] if watch else ["-o", "pipefail"]), "-c", command], cwd=folder, capture_output=True, text=True, timeout=ANSWER_S,
                           env={**os.environ, "PATH": path, "BUF": str(BUF)})
-    file = folder / "anna.tum"
-    return done.returncode, done.stdout + (file.read_text() if file.exists() else ""), done.stderr
+    file, written = folder / "anna.tum", ""
+    if file.exists():
+        written = file.read_text()
+        file.unlink()
+    return done.returncode, done.stdout + written, done.stderr
 
 
 def main():
@@ -90,6 +93,8 @@ def main():
                          log=folder / "server.log") as address, grpc.insecure_channel(address) as channel:
             world = World(channel)
             world.build()
+            world.report("anna", bytes_waiting=1000)
+            world.report("bert", bytes_waiting=2000)
             with world.connected("anna"):
                 mistakes = check_cookbook(folder, path, address)
         mistakes += check_certificates(folder, path)
@@ -137,9 +142,13 @@ def check_cookbook(folder, path, address):
 
 
 def serves(note, folder, path, address):
-    """A note "needs METHOD": whether the server has it, which one that does not says with UNIMPLEMENTED."""
-    method = note.removeprefix("needs ")
-    command = f"grpcurl -plaintext {address} overtone.v1.MappingService/{method}"
+    """A note "needs METHOD" or "needs odometry": whether this server has it."""
+    what = note.removeprefix("needs ")
+    if what == "odometry":
+        command = ("""grpcurl -plaintext -d '{"map": "town", "mission": {"robot": "anna", "mission": "run"}, "odometry": true}' """
+                   f"{address} overtone.v1.MapAdminService/GetTrajectory")
+        return '"odometry"' in ask(command, folder, path)[1]
+    command = f"grpcurl -plaintext {address} overtone.v1.MappingService/{what}"
     return "unimplemented" not in ask(command, folder, path)[2].lower()
 
 

@@ -59,11 +59,10 @@ class AccessControl {
     });
   }
 
-  // For what belongs to no map.
-  absl::Status MustBeOperator(const grpc::CallbackServerContext& context) const {
-    return Check(context, [](const AccessRules&, const PeerIdentity& peer) {
-      return overtone::MustBeOperator(peer);
-    });
+  // What belongs to no map: for every operator.
+  absl::Status MayOperate(const grpc::CallbackServerContext& context) const {
+    return Check(context,
+                 [](const AccessRules&, const PeerIdentity& peer) { return MustBeOperator(peer); });
   }
 
   // Whether the caller may know of a map; PermissionDenied: of none, being a robot.

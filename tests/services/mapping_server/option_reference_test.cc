@@ -64,12 +64,14 @@ TEST(OptionReference, TheCommittedPageIsWhatIsGenerated) {
 }
 
 TEST(OptionReference, AKeyASectionAVariableOrEverythingIsExplained) {
-  const auto key = ExplainOption("quotas.bytes_burst");
+  const auto key = ExplainOption("quotas.max_streams");
   ASSERT_TRUE(key.ok()) << key.status();
   EXPECT_EQ(*key,
-            "quotas.bytes_burst: integer, bytes; default 8388608; OVERTONE_QUOTAS_BYTES_BURST\n"
-            "  Bytes that may come at once after a quiet time.\n");
-  EXPECT_EQ(*ExplainOption("OVERTONE_QUOTAS_BYTES_BURST"), *key);
+            "quotas.max_streams: integer; default 64; OVERTONE_QUOTAS_MAX_STREAMS\n"
+            "  Uploads and watches open at once. A robot needs two, and one more for each mission "
+            "that it still has something of.\n");
+  EXPECT_EQ(*ExplainOption("OVERTONE_QUOTAS_MAX_STREAMS"), *key);
+  EXPECT_THAT(*ExplainOption("keepalive_s"), HasSubstr("number, s; default 10; "));
   const auto section = ExplainOption("quotas");
   ASSERT_TRUE(section.ok()) << section.status();
   EXPECT_THAT(*section, HasSubstr(*key));

@@ -35,6 +35,7 @@ TEST(Suggestion, TheNearestNameIsMeantAndNoneThatIsFarAway) {
   EXPECT_EQ(DidYouMean("listen"), "; did you mean 'listen'?");
   EXPECT_EQ(DidYouMean(""), "");
   EXPECT_EQ(NearestName("x", {}), "");
+  EXPECT_EQ(NearestName(std::string(1'000'000, 'x'), known), "");
 }
 
 // As in the environment, where words are joined by underscores only.
