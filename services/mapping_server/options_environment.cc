@@ -37,11 +37,12 @@ bool IsOfKubernetes(absl::string_view name) {
 
 bool IsOfOthers(absl::string_view name) {
   const std::initializer_list<absl::string_view> others = {
-      "OVERTONE_CONFIG",   "OVERTONE_TLS_CA",          "OVERTONE_TLS_CERT",
-      "OVERTONE_TLS_KEY",  "OVERTONE_TLS_SERVER_NAME", "OVERTONE_TLS_ROBOT_CERTS",
-      "OVERTONE_FAILPOINT"};
+      "OVERTONE_CONFIG",          "OVERTONE_SERVER",          "OVERTONE_MAP",
+      "OVERTONE_TLS_CA",          "OVERTONE_TLS_CERT",        "OVERTONE_TLS_KEY",
+      "OVERTONE_TLS_SERVER_NAME", "OVERTONE_TLS_ROBOT_CERTS", "OVERTONE_FAILPOINT"};
   return std::find(others.begin(), others.end(), name) != others.end() ||
-         absl::StartsWith(name, "OVERTONE_TEST_") || IsOfKubernetes(name);
+         absl::StartsWith(name, "OVERTONE_TEST_") ||
+         absl::StartsWith(name, "OVERTONE_DASHBOARD_") || IsOfKubernetes(name);
 }
 
 std::string Unknown(absl::string_view name) {

@@ -22,8 +22,10 @@ std::vector<std::string> Environment();
 // mistake: a value of the wrong type, or a variable OVERTONE_... that is no option's, since a
 // mistyped one would otherwise do nothing. Left alone are
 //   OVERTONE_CONFIG                  the file, as --config
-//   OVERTONE_TLS_CA, _CERT, _KEY, _SERVER_NAME, _ROBOT_CERTS    the command's (`overtone`)
-//   OVERTONE_FAILPOINT, OVERTONE_TEST_...                       tests'
+//   OVERTONE_SERVER, OVERTONE_MAP, OVERTONE_TLS_CA, _CERT, _KEY, _SERVER_NAME, _ROBOT_CERTS
+//                                    the command's (`overtone`)
+//   OVERTONE_DASHBOARD_...           the dashboard's
+//   OVERTONE_FAILPOINT, OVERTONE_TEST_...    tests'
 //   OVERTONE_..._SERVICE_HOST, ..._PORT and the like            what Kubernetes says of Services
 absl::Status ReadOptionsEnvironment(const std::vector<std::string>& environment,
                                     ServerOptions& options, OptionSources& sources);

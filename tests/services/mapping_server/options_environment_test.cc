@@ -65,7 +65,7 @@ TEST(OptionsEnvironment, ValuesAreTakenAsTheyStand) {
 
 TEST(OptionsEnvironment, AllMistakesAreNamed) {
   const absl::Status status = Read({"OVERTONE_QUOTA_MAX_STREAMS=7", "OVERTONE_MAX_STREAMS=7",
-                                    "OVERTONE_LIMITS_MAX_MAPS=many", "OVERTONE_DASHBOARD=1"});
+                                    "OVERTONE_LIMITS_MAX_MAPS=many", "OVERTONE_KITCHEN=1"});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(status.message(),
             "the environment's OVERTONE_QUOTA_MAX_STREAMS is no option of the server; did you mean "
@@ -73,12 +73,15 @@ TEST(OptionsEnvironment, AllMistakesAreNamed) {
             "the environment's OVERTONE_MAX_STREAMS is no option of the server; did you mean "
             "'OVERTONE_QUOTAS_MAX_STREAMS'?\n"
             "the environment's OVERTONE_LIMITS_MAX_MAPS is not integer: 'many'\n"
-            "the environment's OVERTONE_DASHBOARD is no option of the server");
+            "the environment's OVERTONE_KITCHEN is no option of the server");
 }
 
 TEST(OptionsEnvironment, WhatIsOthersIsLeftAlone) {
   const absl::Status status = Read({
       "OVERTONE_CONFIG=server.yaml",
+      "OVERTONE_SERVER=localhost:7077",
+      "OVERTONE_MAP=town",
+      "OVERTONE_DASHBOARD_LISTEN=:8080",
       "OVERTONE_TLS_CA=ca.crt",
       "OVERTONE_TLS_ROBOT_CERTS=certs",
       "OVERTONE_FAILPOINT=store:1",
