@@ -40,6 +40,7 @@ for volume in spec["volumes"]:
     if "secret" in volume:
         documents.append(secret(volume["secret"]["secretName"]))
         volume["configMap"] = {"name": volume.pop("secret")["secretName"]}
+spec["containers"][0].pop("ports")  # podman before 4.4 would take the host's
 for claim in stateful_set["spec"]["volumeClaimTemplates"]:
     claim_name = f"{claim['metadata']['name']}-{name}"
     spec["volumes"].append({"name": claim["metadata"]["name"], "persistentVolumeClaim": {"claimName": claim_name}})
