@@ -39,7 +39,8 @@ absl::Status Positive(NamedValues values) {
 
 absl::Status SelectionOptions::Validate() const {
   RETURN_IF_ERROR(Positive({{"selection.n", n}}));
-  return NonNegative({{"selection.min_discrepancy", min_discrepancy}});
+  return NonNegative(
+      {{"selection.min_discrepancy", min_discrepancy}, {"selection.tolerance_m", tolerance_m}});
 }
 
 absl::Status ConstraintOptions::Validate() const {
@@ -66,6 +67,7 @@ absl::Status SynchronizationOptions::Validate() const {
   }
   RETURN_IF_ERROR(NonNegative({{"association_tolerance_s", association_tolerance_s}}));
   RETURN_IF_ERROR(selection.Validate());
+  RETURN_IF_ERROR(odometry.Validate());
   return constraints.Validate();
 }
 

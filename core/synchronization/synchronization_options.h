@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "overtone/core/spectral/edge_weights.h"
 #include "overtone/core/spectral/wavelet_transform.h"
+#include "overtone/core/synchronization/odometry_model.h"
 
 namespace overtone {
 
@@ -29,16 +30,20 @@ enum class SelectionStrategy {
   kRandom,            // n chords between random nodes, seeded
   kLargestEdgeError,  // the n consecutive node pairs whose relative pose differs most
   kAll,               // every consecutive pair
+  kKnots,             // ours: the chords whose predicted result is nearest to the server's estimate
 };
 
 struct SelectionOptions {
   SelectionStrategy strategy = SelectionStrategy::kTopN;
   // Labels (node, band) for kTopN, each of which becomes a few constraints; constraints for
-  // kUniform, kRandom and kLargestEdgeError. Paper: 15 per comparison.
+  // kUniform, kRandom and kLargestEdgeError. Paper: 15 per comparison. kKnots: constraints in
+  // force, at most.
   int n = 15;
   double min_discrepancy =
       0.1;            // floor of kTopN and threshold of kThreshold, in units of the signal
   uint64_t seed = 1;  // kRandom
+  // kKnots: near enough. A third of what a constraint is good to by default.
+  double tolerance_m = 0.01;
 
   absl::Status Validate() const;  // InvalidArgument naming the member
 };
@@ -77,6 +82,7 @@ struct SynchronizationOptions {
   bool multi_robot_graph = false;
   SelectionOptions selection;
   ConstraintOptions constraints;
+  OdometryModel odometry;  // of steps whose covariance is not known
 
   absl::Status Validate() const;  // InvalidArgument naming the member
 };
