@@ -16,7 +16,7 @@ namespace {
 // Of a chord's variance, at most, in odometry's over the same way.
 constexpr double kLargestVarianceShare = 1e-3;
 // Knots stay while they are so much worse than the best, as a share of what is left.
-constexpr double kToleratedLoss = 0.05;
+constexpr double kToleratedLoss = 0.1;
 
 std::vector<int> UniformKnots(const TrajectoryComparison& comparison,
                               SynchronizationOptions options, int num_chords) {
@@ -115,7 +115,7 @@ std::vector<Constraint> SelectKnots(const TrajectoryComparison& comparison,
   const std::vector<int> known = KnotRows(comparison, context.active);
   if (!known.empty()) {
     knots =
-        UpdateKnots(prediction, known, best, std::max(tolerance_m, kToleratedLoss * best.rmse_m));
+        UpdateKnots(prediction, known, best, kToleratedLoss * std::max(tolerance_m, best.rmse_m));
   }
   std::vector<Constraint> chords;
   for (int k = 1; k < knots.size(); ++k) {

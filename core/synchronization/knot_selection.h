@@ -18,7 +18,7 @@ namespace overtone {
 // Chords between consecutive knots, all that should be in force: those of context.active that are
 // not among them have been superseded. None where odometry alone is within selection.tolerance_m of
 // the server's estimate; else as few as come within it, and at most selection.n. Knots that are in
-// force stay unless moving them gains more than the tolerance and a twentieth of what is left.
+// force stay unless moving them gains more than a tenth of what is left, or of the tolerance.
 //
 // A chord's standard deviations are those of the options, but no more than a thirtieth of
 // odometry's over the chord (per axis): the server's estimate has the robot's odometry in it

@@ -10,7 +10,7 @@
 // So the stretch a..b is one edge, eta_b - delta_a ~ N(drift, S) with drift and S the sums over its
 // steps, and given its ends, lambda = S^-1 (eta_b - delta_a - drift), each step is u_i = -r_i + Q_i
 // Ad(x_a^-1 x_i)^T lambda.
-#include "overtone/client/estimator/chain_smoother.h"
+#include "overtone/core/synchronization/chain_smoother.h"
 
 #include <algorithm>
 #include <cmath>
@@ -68,6 +68,7 @@ class ChainSmoother {
   void Step(double share);
 
   std::vector<Rigid3d>& poses() { return poses_; }
+  int64_t factor_nonzeros() const { return factor_nonzeros_; }
 
  private:
   int EndOf(int pose) const {
@@ -81,6 +82,7 @@ class ChainSmoother {
   const std::vector<Chord>& chords_;
   std::vector<int> ends_;  // increasing; ends_[0] is the fixed first pose
   std::vector<Stretch> stretches_;
+  int64_t factor_nonzeros_ = 0;  // of the last solve
   // Per pose, at the last linearisation; unused behind the last end.
   std::vector<Rigid3d> previous_from_this_;
   Steps residual_;
@@ -189,6 +191,7 @@ absl::StatusOr<double> ChainSmoother::Solve() {
   hessian.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLLT<SparseMatrix, Eigen::Lower> solver(hessian);
   if (solver.info() != Eigen::Success) return absl::InternalError("chain: factorisation failed");
+  factor_nonzeros_ = SparseMatrix(solver.matrixL()).nonZeros();
   const Eigen::VectorXd delta = solver.solve(right_side);
   if (!delta.allFinite()) return absl::InternalError("chain: the solution is not finite");
 
@@ -245,6 +248,7 @@ absl::StatusOr<ChainSmootherResult> SmoothChain(const std::vector<Rigid3d>& pose
     if (!(cost <= result.final_cost)) return absl::InternalError("chain: the cost does not fall");
     result.final_cost = cost;
   }
+  result.factor_nonzeros = smoother.factor_nonzeros();
   result.poses = std::move(smoother.poses());
   return result;
 }

@@ -8,9 +8,10 @@
 // two ends is condensed into one edge first (exactly: it is a random walk), the small graph of the
 // ends is solved, and the correction is spread over each stretch by the smoother's
 // back-substitution.
-#ifndef OVERTONE_CLIENT_ESTIMATOR_CHAIN_SMOOTHER_H_
-#define OVERTONE_CLIENT_ESTIMATOR_CHAIN_SMOOTHER_H_
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_CHAIN_SMOOTHER_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_CHAIN_SMOOTHER_H_
 
+#include <cstdint>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -37,6 +38,7 @@ struct ChainSmootherResult {
   double final_cost =
       0;  // as of the last linearisation; the last step lowers it by less than the tolerance
   int iterations = 0;
+  int64_t factor_nonzeros = 0;  // of the ends' Cholesky factor, six numbers squared for each block
   bool converged = false;
 };
 
@@ -57,4 +59,4 @@ absl::StatusOr<ChainSmootherResult> SmoothChain(const std::vector<Rigid3d>& pose
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_ESTIMATOR_CHAIN_SMOOTHER_H_
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_CHAIN_SMOOTHER_H_
