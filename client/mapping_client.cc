@@ -207,6 +207,7 @@ class GrpcMappingClient final : public MappingClient {
       intake_.Push(std::move(message), submap.clouds, bytes);
       sequence_.Advance(submap);
     }
+    host_.AddKeyframes(submap.first_index, submap.keyframes);
     TellDroppedClouds();
     return absl::OkStatus();
   }

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -16,6 +18,7 @@
 #include "overtone/client/mapping_client_options.h"
 #include "overtone/core/graph/map_graph.h"
 #include "overtone/core/graph/submap.h"
+#include "overtone/core/synchronization/drift_onset.h"
 #include "overtone/core/synchronization/trajectory_comparison.h"
 
 namespace overtone {
@@ -51,6 +54,14 @@ struct SynchronizationReport {
   ConstraintBatch batch;            // what the host was asked to apply; empty: agreement
   absl::Status host_status;         // the host's answer
   double compare_ms = 0;            // graph, filter, selection; without the host's own work
+  // RMSE of the host's positions to the server's after rigid alignment, metres: now, and as
+  // predicted with the batch, or what would have been one, applied.
+  double rmse_before_m = 0;
+  double predicted_rmse_m = 0;
+  // Where odometry begins to be off in a way that its noise does not explain, and at which scale.
+  std::optional<DriftOnset> onset;
+  // Why there is no batch though constraints were selected; empty: no reason.
+  std::string held_back;
 };
 
 // The next submap of the mission.

@@ -16,7 +16,8 @@ const std::map<std::string, SelectionStrategy>& Strategies() {
       {"uniform", SelectionStrategy::kUniform},
       {"random", SelectionStrategy::kRandom},
       {"largest_edge_error", SelectionStrategy::kLargestEdgeError},
-      {"all", SelectionStrategy::kAll}};
+      {"all", SelectionStrategy::kAll},
+      {"knots", SelectionStrategy::kKnots}};
   return *names;
 }
 
@@ -46,8 +47,15 @@ void AddClientFlags(CLI::App* app, ClientFlags* flags) {
       ->check(OneOf(Strategies()))
       ->capture_default_str()
       ->group(group);
-  app->add_option("--n", flags->n, "How many the strategy picks per comparison")
+  app->add_option(
+         "--n", flags->n,
+         "knots: constraints in force, at most; else how many the strategy picks per comparison")
       ->check(CLI::Range(1, 100000))
+      ->capture_default_str()
+      ->group(group);
+  app->add_option("--tolerance", flags->tolerance_m,
+                  "knots: stop when the predicted RMSE to the server's estimate is below, metres")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->group(group);
   app->add_option("--min-discrepancy", flags->min_discrepancy,
@@ -93,6 +101,7 @@ void ClientFlags::ApplyTo(MappingClientOptions* options) const {
   SynchronizationOptions& synchronization = options->synchronization;
   synchronization.selection.strategy = Strategies().at(strategy);
   synchronization.selection.n = n;
+  synchronization.selection.tolerance_m = tolerance_m;
   synchronization.selection.min_discrepancy = min_discrepancy;
   synchronization.selection.seed = seed;
   synchronization.graph.metric = Metrics().at(metric);
@@ -109,6 +118,7 @@ void ClientFlags::ApplyTo(MappingClientOptions* options) const {
 std::vector<std::pair<std::string, std::string>> ClientFlags::Describe() const {
   return {{"strategy", strategy},
           {"n", absl::StrCat(n)},
+          {"tolerance", Number(tolerance_m)},
           {"min-discrepancy", Number(min_discrepancy)},
           {"metric", metric},
           {"scales", absl::StrCat(scales)},

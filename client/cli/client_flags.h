@@ -14,7 +14,7 @@
 namespace overtone {
 
 struct ClientFlags {
-  std::string strategy = "top_n";
+  std::string strategy = "knots";
   std::string metric = "se3";
   std::string signal = "distance";
   std::string signal_weights = "isotropic";
@@ -22,6 +22,7 @@ struct ClientFlags {
   int n = 15;
   int scales = 6;
   int max_nodes = 0;
+  double tolerance_m = SelectionOptions().tolerance_m;
   double min_discrepancy = SelectionOptions().min_discrepancy;
   bool multi_robot_graph = false;
   std::string outbox;  // a directory; empty: in memory

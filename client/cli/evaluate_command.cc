@@ -8,6 +8,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "overtone/client/cli/client_flags.h"
+#include "overtone/client/cli/curve_evaluation.h"
 #include "overtone/client/cli/evaluation_suite.h"
 #include "overtone/client/cli/evaluation_table.h"
 #include "overtone/client/cli/exit_code.h"
@@ -21,13 +22,16 @@ namespace {
 struct EvaluateOptions {
   std::string suite = "paper";
   std::string out = "evaluation";
+  std::string data = "../shared/data";
+  bool continuous = false;
   ClientFlags client;  // its seed is everybody's
 };
 
 absl::StatusOr<std::vector<EvaluationRow>> RunExperiment(const Experiment& experiment,
                                                          const EvaluateOptions& options) {
   const std::string folder = absl::StrCat(options.out, "/", experiment.name);
-  ASSIGN_OR_RETURN(ReplayOptions replay, experiment.prepare(folder, options.client.seed));
+  ASSIGN_OR_RETURN(ReplayOptions replay,
+                   experiment.prepare(folder, options.client.seed, options.data));
   replay.out = absl::StrCat(folder, "/run");
   replay.client = options.client;
   ASSIGN_OR_RETURN(const RunResult result, RunReplay(replay));
@@ -44,6 +48,9 @@ absl::Status Write(const EvaluateOptions& options, const EvaluationSuite& suite,
 
 absl::Status Evaluate(const EvaluateOptions& options) {
   ASSIGN_OR_RETURN(const EvaluationSuite* const suite, FindEvaluationSuite(options.suite));
+  if (suite->curves) {
+    return EvaluateCurves(*suite, {options.out, options.data, options.continuous, options.client});
+  }
   std::vector<EvaluationRow> rows;
   int number = 0;
   for (const Experiment& experiment : suite->experiments) {
@@ -92,6 +99,12 @@ void AddEvaluateCommand(CLI::App* app, std::function<int()>* run) {
   command->add_option("--suite", options->suite, "Which, see below")->capture_default_str();
   command->add_option("--out", options->out, "Folder to write to; an experiment's must be new")
       ->capture_default_str();
+  command
+      ->add_option("--data", options->data,
+                   "Folder of the public recordings: euroc, mulran, kitti, mrclam, ...")
+      ->capture_default_str();
+  command->add_flag("--continuous", options->continuous,
+                    "Public recordings: also play every strategy with a comparison every 20 s");
   AddClientFlags(command, &options->client);
   command->callback([options, run] { *run = [options] { return Run(*options); }; });
 }

@@ -3,6 +3,7 @@
 
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_join.h"
+#include "overtone/client/cli/recorded_suites.h"
 #include "overtone/client/cli/simulated_experiment.h"
 
 namespace overtone {
@@ -58,7 +59,11 @@ EvaluationSuite Smoke() {
 }  // namespace
 
 const std::vector<EvaluationSuite>& EvaluationSuites() {
-  static const auto* const suites = new std::vector<EvaluationSuite>{Paper(), Smoke()};
+  static const auto* const suites = [] {
+    auto* suites = new std::vector<EvaluationSuite>{Paper(), Smoke()};
+    for (EvaluationSuite& suite : RecordedSuites()) suites->push_back(std::move(suite));
+    return suites;
+  }();
   return *suites;
 }
 

@@ -19,14 +19,20 @@ struct Experiment {
   std::string name;   // of its folder and rows: letters, digits, '_'
   std::string title;  // for people: where, who, and what goes wrong
   // Makes or finds the data and says how to play it; all but `out`. `folder` is the experiment's
-  // own, `seed` decides whatever is random. Progress goes to stderr.
-  std::function<absl::StatusOr<ReplayOptions>(const std::string& folder, uint64_t seed)> prepare;
+  // own, `seed` decides whatever is random, `data` is where public recordings lie. Progress goes to
+  // stderr.
+  std::function<absl::StatusOr<ReplayOptions>(const std::string& folder, uint64_t seed,
+                                              const std::string& data)>
+      prepare;
 };
 
 struct EvaluationSuite {
   std::string name;
   std::string description;  // one sentence
   std::vector<Experiment> experiments;
+  // True: the data are public recordings (--data), and every selection strategy is tried on each; a
+  // run with the real client for the table of robots is left to `overtone replay`.
+  bool curves = false;
 };
 
 const std::vector<EvaluationSuite>& EvaluationSuites();

@@ -21,8 +21,8 @@ void Report(const SimulatedFolder& robot) {
 
 Experiment SimulatedExperiment(std::string name, std::string title, ScenarioOptions scenario) {
   const auto prepare = [scenario = std::move(scenario)](
-                           const std::string& folder,
-                           uint64_t seed) -> absl::StatusOr<ReplayOptions> {
+                           const std::string& folder, uint64_t seed,
+                           const std::string& /*data*/) -> absl::StatusOr<ReplayOptions> {
     ScenarioOptions seeded = scenario;
     seeded.seed = seed;
     const std::string data = absl::StrCat(folder, "/data");

@@ -12,7 +12,7 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "overtone/client/estimator/chain_smoother.h"
+#include "overtone/core/synchronization/chain_smoother.h"
 #include "overtone/client/host_estimator.h"
 
 namespace overtone {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/client/internal/graph_synchronizer.h"
 
+#include <algorithm>
 #include <chrono>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/str_cat.h"
 #include "overtone/client/internal/exception_guard.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/core/synchronization/aligned_rmse.h"
 #include "overtone/core/synchronization/constraint_selection.h"
 #include "overtone/core/synchronization/wavelet_discrepancy.h"
 
@@ -14,27 +18,85 @@ namespace overtone {
 
 GraphSynchronizer::GraphSynchronizer(MissionId mission, SynchronizationOptions options,
                                      HostEstimator* host)
-    : mission_(std::move(mission)), options_(std::move(options)), host_(host) {}
+    : mission_(std::move(mission)), options_(std::move(options)), host_(host), gate_(options_) {}
+
+void GraphSynchronizer::AddKeyframes(int64_t first_index, const std::vector<Keyframe>& keyframes) {
+  absl::MutexLock lock(&mutex_);
+  odometry_.AddKeyframes(first_index, keyframes);
+}
+
+// A host may know more than its odometry and our constraints: loops of its own, a map. Then what it
+// estimates now is all that can be built on.
+bool GraphSynchronizer::RecordExplainsHost(const SynchronizationReport& report) const {
+  constexpr double kUnexplainedShare = 0.2;  // of how far the host is from the server
+  const auto expected =
+      PredictHost(report.comparison, odometry_, options_.odometry, history_.Active());
+  if (!expected.ok()) return false;
+  return AlignedRmse(expected->rows, report.comparison.onboard) <=
+         std::max(options_.selection.tolerance_m, kUnexplainedShare * report.rmse_before_m);
+}
+
+SelectionContext GraphSynchronizer::MakeContext(const SynchronizationReport& report,
+                                                const std::vector<OnboardPose>& onboard) {
+  absl::MutexLock lock(&mutex_);
+  odometry_.Observe(onboard, options_.odometry);
+  record_explains_host_ = RecordExplainsHost(report);
+  OdometryChain chain = Record().Along(RowsOf(report.comparison), options_.odometry);
+  return {std::move(chain.poses), std::move(chain.step_covariance), history_.Active()};
+}
+
+HostPrediction GraphSynchronizer::Judge(SynchronizationReport& report,
+                                        const SelectionContext& context) {
+  const std::vector<Constraint> in_force = history_.ActiveAfter(report.batch);
+  absl::MutexLock lock(&mutex_);
+  absl::StatusOr<HostPrediction> prediction =
+      PredictHost(report.comparison, Record(), options_.odometry, in_force);
+  if (!prediction.ok()) {
+    report.held_back = absl::StrCat("no prediction: ", prediction.status().message());
+    return HostPrediction();
+  }
+  report.predicted_rmse_m = prediction->rmse_m;
+  report.held_back = gate_.Judge(report.comparison, context, report.batch, *prediction);
+  return *std::move(prediction);
+}
 
 absl::StatusOr<SynchronizationReport> GraphSynchronizer::Synchronize(const MapGraph& graph) {
-  ASSIGN_OR_RETURN(const std::vector<OnboardPose> onboard,
+  ASSIGN_OR_RETURN(std::vector<OnboardPose> onboard,
                    GuardExceptions("HostEstimator::Trajectory",
                                    [&]() -> absl::StatusOr<std::vector<OnboardPose>> {
                                      return host_->Trajectory();
                                    }));
 
   const auto start = std::chrono::steady_clock::now();
+  ASSIGN_OR_RETURN(onboard, CheckedTrajectory(std::move(onboard)));
   SynchronizationReport report;
   ASSIGN_OR_RETURN(report.comparison, CompareTrajectories(graph, mission_, onboard, options_));
-  const std::vector<Constraint> proposals = SelectConstraints(report.comparison, options_);
-  report.batch = history_.Reconcile(proposals, report.comparison, options_.constraints);
+  report.rmse_before_m = report.predicted_rmse_m =
+      AlignedRmse(report.comparison.onboard, report.comparison.server);
+  const SelectionContext context = MakeContext(report, onboard);
+  report.onset = FindDriftOnset(report.comparison, options_, context);
+  HostPrediction prediction;
+  const std::vector<std::string> refuted = gate_.Refuted(report.comparison);
+  if (!refuted.empty()) {
+    report.batch = history_.Retraction(refuted, report.comparison);
+    report.held_back = "the last batch did not do what was predicted, and is taken back";
+  } else {
+    const Unproposed unproposed =
+        ProposesAll(options_.selection.strategy) ? Unproposed::kRetract : Unproposed::kKeep;
+    report.batch = history_.Reconcile(SelectConstraints(report.comparison, options_, context),
+                                      report.comparison, options_.constraints, unproposed);
+    if (!report.batch.empty()) prediction = Judge(report, context);
+    if (!report.held_back.empty()) report.batch = ConstraintBatch();
+  }
   report.compare_ms =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 
   if (report.batch.empty()) return report;
   report.host_status = GuardExceptions("HostEstimator::ApplyConstraints",
                                        [&] { return host_->ApplyConstraints(report.batch); });
-  if (report.host_status.ok()) history_.Commit(report.batch);
+  if (!report.host_status.ok()) return report;
+  history_.Commit(report.batch);
+  gate_.Applied(report.comparison, report.batch, prediction);
   return report;
 }
 

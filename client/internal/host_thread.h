@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <vector>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -40,6 +41,10 @@ class HostThread {
 
   // Queued for the thread; return at once.
   void OnGraph(std::shared_ptr<const MapGraph> graph) ABSL_LOCKS_EXCLUDED(mutex_);
+  // GraphSynchronizer::AddKeyframes.
+  void AddKeyframes(int64_t first_index, const std::vector<Keyframe>& keyframes) {
+    synchronizer_.AddKeyframes(first_index, keyframes);
+  }
   void OnLinkState(LinkState state) ABSL_LOCKS_EXCLUDED(mutex_);
   void Post(std::function<void(HostEstimator&)> call) ABSL_LOCKS_EXCLUDED(mutex_);
 

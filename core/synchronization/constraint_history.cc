@@ -8,10 +8,14 @@
 namespace overtone {
 namespace {
 
-bool HasMoved(const Rigid3d& before, const Rigid3d& after, const ConstraintOptions& options) {
-  const Rigid3d motion = before.Inverse() * after;
+// A chord may be hundreds of metres long, and the next one begins where it ends.
+bool HasMoved(const Constraint& known, const Rigid3d& after, const ConstraintOptions& options) {
+  const Rigid3d motion = known.from_tform_to.Inverse() * after;
+  const double angle = LogSO3(motion.rotation).norm();
+  const double lever = known.kind == ConstraintKind::kChord ? after.translation.norm() : 0;
   return motion.translation.norm() > options.min_translation_change_m ||
-         LogSO3(motion.rotation).norm() > options.min_rotation_change_rad;
+         angle > options.min_rotation_change_rad ||
+         angle * lever > options.min_translation_change_m;
 }
 
 // The server's pose of a keyframe; none where the server's graph does not hold it, nor one on both
@@ -46,7 +50,8 @@ std::optional<Rigid3d> ServerTransform(const TrajectoryComparison& comparison,
 
 ConstraintBatch ConstraintHistory::Reconcile(const std::vector<Constraint>& proposals,
                                              const TrajectoryComparison& comparison,
-                                             const ConstraintOptions& options) const {
+                                             const ConstraintOptions& options,
+                                             Unproposed unproposed) const {
   ConstraintBatch batch;
   batch.revision = comparison.revision;
   batch.map_epoch = comparison.map_epoch;
@@ -56,18 +61,18 @@ ConstraintBatch ConstraintHistory::Reconcile(const std::vector<Constraint>& prop
     const auto known = constraints_.find(proposal.id);
     if (known == constraints_.end()) {
       batch.add.push_back(proposal);
-    } else if (HasMoved(known->second.from_tform_to, proposal.from_tform_to, options)) {
+    } else if (HasMoved(known->second, proposal.from_tform_to, options)) {
       batch.update.push_back(proposal);
     }
   }
-  const bool same_map = comparison.map_epoch == map_epoch_;
+  const bool keep = unproposed == Unproposed::kKeep && comparison.map_epoch == map_epoch_;
   for (const auto& [id, known] : constraints_) {
     if (proposed.count(id) > 0) continue;
     const std::optional<Rigid3d> from_tform_to =
-        same_map ? ServerTransform(comparison, known) : std::nullopt;
+        keep ? ServerTransform(comparison, known) : std::nullopt;
     if (!from_tform_to.has_value()) {
       batch.retract.push_back(id);
-    } else if (HasMoved(known.from_tform_to, *from_tform_to, options)) {
+    } else if (HasMoved(known, *from_tform_to, options)) {
       batch.update.push_back(known);
       batch.update.back().from_tform_to = *from_tform_to;
       batch.update.back().revision = comparison.revision;
@@ -81,6 +86,30 @@ void ConstraintHistory::Commit(const ConstraintBatch& batch) {
   for (const Constraint& constraint : batch.update) constraints_[constraint.id] = constraint;
   for (const std::string& id : batch.retract) constraints_.erase(id);
   map_epoch_ = batch.map_epoch;
+}
+
+ConstraintBatch ConstraintHistory::Retraction(const std::vector<std::string>& ids,
+                                              const TrajectoryComparison& comparison) const {
+  ConstraintBatch batch;
+  batch.revision = comparison.revision;
+  batch.map_epoch = comparison.map_epoch;
+  for (const std::string& id : ids) {
+    if (constraints_.count(id) > 0) batch.retract.push_back(id);
+  }
+  return batch;
+}
+
+std::vector<Constraint> ConstraintHistory::Active() const {
+  std::vector<Constraint> active;
+  active.reserve(constraints_.size());
+  for (const auto& [id, constraint] : constraints_) active.push_back(constraint);
+  return active;
+}
+
+std::vector<Constraint> ConstraintHistory::ActiveAfter(const ConstraintBatch& batch) const {
+  ConstraintHistory after = *this;
+  after.Commit(batch);
+  return after.Active();
 }
 
 void ConstraintHistory::Clear() {

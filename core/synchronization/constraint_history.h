@@ -14,6 +14,12 @@
 
 namespace overtone {
 
+// Known constraints that a comparison does not propose any more.
+enum class Unproposed {
+  kKeep,     // and refresh: proposals add up from comparison to comparison
+  kRetract,  // proposals are all that should be in force
+};
+
 // Keyed by constraint id, for one mission. (The prototype keys by position in a list and compares
 // matrix entries with one threshold for metres and rotation.) Not thread-safe.
 class ConstraintHistory {
@@ -27,10 +33,21 @@ class ConstraintHistory {
   //   keyframe between two that
   //            it holds has only been thinned out; its server pose is taken from the nearer of the
   //            two and the robot's own motion between them.
-  // A new map_epoch is a different map: all that is not proposed again is retracted.
+  // A new map_epoch is a different map: all that is not proposed again is retracted, as with
+  // Unproposed::kRetract. Of a chord, the rotation counts by what it moves at its own length.
   ConstraintBatch Reconcile(const std::vector<Constraint>& proposals,
                             const TrajectoryComparison& comparison,
-                            const ConstraintOptions& options) const;
+                            const ConstraintOptions& options,
+                            Unproposed unproposed = Unproposed::kKeep) const;
+
+  // Takes back those of `ids` that are in force.
+  ConstraintBatch Retraction(const std::vector<std::string>& ids,
+                             const TrajectoryComparison& comparison) const;
+
+  // In force: what was committed. By id.
+  std::vector<Constraint> Active() const;
+  // What would be in force with the batch applied.
+  std::vector<Constraint> ActiveAfter(const ConstraintBatch& batch) const;
 
   // The host applied the batch.
   void Commit(const ConstraintBatch& batch);

@@ -4,6 +4,7 @@
 #include "overtone/core/synchronization/chord_selection.h"
 #include "overtone/core/synchronization/constraint_generation.h"
 #include "overtone/core/synchronization/discrepancy_labels.h"
+#include "overtone/core/synchronization/knot_selection.h"
 
 namespace overtone {
 namespace {
@@ -21,7 +22,8 @@ std::vector<Constraint> FromLabels(const TrajectoryComparison& comparison,
 }  // namespace
 
 std::vector<Constraint> SelectConstraints(const TrajectoryComparison& comparison,
-                                          const SynchronizationOptions& options) {
+                                          const SynchronizationOptions& options,
+                                          const SelectionContext& context) {
   const SelectionOptions& selection = options.selection;
   switch (selection.strategy) {
     case SelectionStrategy::kNone:
@@ -43,8 +45,12 @@ std::vector<Constraint> SelectConstraints(const TrajectoryComparison& comparison
       return LargestEdgeErrors(comparison, options);
     case SelectionStrategy::kAll:
       return AllEdges(comparison, options);
+    case SelectionStrategy::kKnots:
+      return SelectKnots(comparison, options, context);
   }
   return {};
 }
+
+bool ProposesAll(SelectionStrategy strategy) { return strategy == SelectionStrategy::kKnots; }
 
 }  // namespace overtone

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "overtone/core/synchronization/constraint.h"
+#include "overtone/core/synchronization/selection_context.h"
 #include "overtone/core/synchronization/synchronization_options.h"
 #include "overtone/core/synchronization/trajectory_comparison.h"
 
@@ -13,9 +14,15 @@ namespace overtone {
 
 // kTopN and kThreshold: discrepancy_labels.h, then constraint_generation.h; nodes flagged
 // degenerate get theirs besides. kUniform, kRandom, kLargestEdgeError, kAll: chord_selection.h.
-// kNone: nothing. No id appears twice. The comparison has at least two nodes.
+// kKnots: knot_selection.h, the only one that reads `context`. kNone: nothing. No id appears twice.
+// The comparison has at least two nodes.
 std::vector<Constraint> SelectConstraints(const TrajectoryComparison& comparison,
-                                          const SynchronizationOptions& options);
+                                          const SynchronizationOptions& options,
+                                          const SelectionContext& context = SelectionContext());
+
+// What a comparison proposes is all that should be in force, so that what it does not propose any
+// more has been superseded. Other strategies add to what earlier comparisons proposed.
+bool ProposesAll(SelectionStrategy strategy);
 
 }  // namespace overtone
 

@@ -39,7 +39,8 @@ absl::Status Positive(NamedValues values) {
 
 absl::Status SelectionOptions::Validate() const {
   RETURN_IF_ERROR(Positive({{"selection.n", n}}));
-  return NonNegative({{"selection.min_discrepancy", min_discrepancy}});
+  return NonNegative(
+      {{"selection.min_discrepancy", min_discrepancy}, {"selection.tolerance_m", tolerance_m}});
 }
 
 absl::Status ConstraintOptions::Validate() const {
@@ -58,6 +59,17 @@ absl::Status ConstraintOptions::Validate() const {
   return absl::OkStatus();
 }
 
+absl::Status GateOptions::Validate() const {
+  RETURN_IF_ERROR(NonNegative({{"gate.min_gain_m", min_gain_m}}));
+  RETURN_IF_ERROR(Positive({{"gate.odometry_chi_square_limit", odometry_chi_square_limit},
+                            {"gate.revisions_to_believe", revisions_to_believe}}));
+  for (const auto& [member, value] : {std::pair("gate.max_correction_m", max_correction_m),
+                                      std::pair("gate.max_correction_rad", max_correction_rad)}) {
+    if (!(value > 0)) return NotInRange(member, value, "positive");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status SynchronizationOptions::Validate() const {
   RETURN_IF_ERROR(graph.Validate());
   RETURN_IF_ERROR(wavelets.Validate());
@@ -66,6 +78,8 @@ absl::Status SynchronizationOptions::Validate() const {
   }
   RETURN_IF_ERROR(NonNegative({{"association_tolerance_s", association_tolerance_s}}));
   RETURN_IF_ERROR(selection.Validate());
+  RETURN_IF_ERROR(gate.Validate());
+  RETURN_IF_ERROR(odometry.Validate());
   return constraints.Validate();
 }
 

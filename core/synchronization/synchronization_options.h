@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "overtone/core/spectral/edge_weights.h"
 #include "overtone/core/spectral/wavelet_transform.h"
+#include "overtone/core/synchronization/odometry_model.h"
 
 namespace overtone {
 
@@ -29,16 +30,20 @@ enum class SelectionStrategy {
   kRandom,            // n chords between random nodes, seeded
   kLargestEdgeError,  // the n consecutive node pairs whose relative pose differs most
   kAll,               // every consecutive pair
+  kKnots,             // ours: the chords whose predicted result is nearest to the server's estimate
 };
 
 struct SelectionOptions {
-  SelectionStrategy strategy = SelectionStrategy::kTopN;
+  SelectionStrategy strategy = SelectionStrategy::kKnots;
   // Labels (node, band) for kTopN, each of which becomes a few constraints; constraints for
-  // kUniform, kRandom and kLargestEdgeError. Paper: 15 per comparison.
+  // kUniform, kRandom and kLargestEdgeError. Paper: 15 per comparison. kKnots: constraints in
+  // force, at most.
   int n = 15;
   double min_discrepancy =
       0.1;            // floor of kTopN and threshold of kThreshold, in units of the signal
   uint64_t seed = 1;  // kRandom
+  // kKnots: near enough. A third of what a constraint is good to by default.
+  double tolerance_m = 0.01;
 
   absl::Status Validate() const;  // InvalidArgument naming the member
 };
@@ -64,6 +69,25 @@ struct ConstraintOptions {
   absl::Status Validate() const;  // InvalidArgument naming the member
 };
 
+// Do no harm: what a batch must be like to be sent.
+struct GateOptions {
+  bool enabled = true;
+  // A batch goes out when it is predicted to bring the host nearer to the server's estimate by more
+  // than this, or by a tenth of how far it is; less is noise.
+  double min_gain_m = 0.01;
+  // A constraint that contradicts the odometry it bridges by more than this (chi square of six
+  // degrees of freedom; default: three times the standard deviations of 99.9 %) is either a slip of
+  // odometry's or a false loop closure of the server's ...
+  double odometry_chi_square_limit = 202;
+  // ... and believed when so many revisions, one after the other, have asked for such a one.
+  int revisions_to_believe = 3;
+  // No pose may move further by one batch, relative to the mission's first.
+  double max_correction_m = std::numeric_limits<double>::infinity();
+  double max_correction_rad = std::numeric_limits<double>::infinity();
+
+  absl::Status Validate() const;  // InvalidArgument naming the member
+};
+
 struct SynchronizationOptions {
   RadiusGraphOptions graph;  // metric of the edges
   WaveletOptions wavelets;
@@ -77,6 +101,8 @@ struct SynchronizationOptions {
   bool multi_robot_graph = false;
   SelectionOptions selection;
   ConstraintOptions constraints;
+  GateOptions gate;
+  OdometryModel odometry;  // of steps whose covariance is not known
 
   absl::Status Validate() const;  // InvalidArgument naming the member
 };

@@ -77,7 +77,7 @@ TEST(MappingClient, CreateNamesTheBadOptionAndRefusesANullHost) {
 TEST(MappingClient, SubmapsGoUpTheMapComesDownAndTheHostIsCorrected) {
   StraightTown town;
   FakeHost host;
-  host.trajectory = BentTrajectory(60, /*bend_m=*/20);
+  host.trajectory = BentTrajectory(60, /*bend_m=*/0.5);
   const auto client = Connect(OptionsFor(town.server.address()), &host);
   for (int64_t i = 0; i < 6; ++i) ASSERT_TRUE(client->AddSubmap(StraightSubmap(i)).ok());
   ASSERT_TRUE(client->WaitUntilAcknowledged(kPatience).ok());
@@ -107,7 +107,7 @@ TEST(MappingClient, SubmapsGoUpTheMapComesDownAndTheHostIsCorrected) {
 TEST(MappingClient, CorrectsByItselfWhenARevisionComes) {
   StraightTown town;
   FakeHost host;
-  host.trajectory = BentTrajectory(60, /*bend_m=*/20);
+  host.trajectory = BentTrajectory(60, /*bend_m=*/0.5);
   MappingClientOptions options = OptionsFor(town.server.address());
   options.min_time_between_comparisons = absl::ZeroDuration();
   const auto client = Connect(options, &host);
@@ -326,7 +326,7 @@ TEST(MappingClient, SynchronizeSaysWhatIsMissing) {
 TEST(MappingClient, SynchronizeFromWithinTheHostIsRefused) {
   StraightTown town;
   FakeHost host;
-  host.trajectory = BentTrajectory(60, /*bend_m=*/20);
+  host.trajectory = BentTrajectory(60, /*bend_m=*/0.5);
   const auto client = Connect(OptionsFor(town.server.address()), &host);
   absl::Status inner;
   {
@@ -351,7 +351,7 @@ TEST(MappingClient, SurvivesAHostAndALogThatThrow) {
   {
     absl::MutexLock lock(&host.mutex);
     host.throws = false;
-    host.trajectory = BentTrajectory(60, 20);
+    host.trajectory = BentTrajectory(60, 0.5);
   }
   EXPECT_TRUE(client->Synchronize().ok());
 }

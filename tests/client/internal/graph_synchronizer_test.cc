@@ -44,7 +44,7 @@ TEST_F(GraphSynchronizerTest, AgreementCallsForNothing) {
 }
 
 TEST_F(GraphSynchronizerTest, DriftGivesOneBatchOfTheServersRelativePoses) {
-  SetTrajectory(/*bend_m=*/20);
+  SetTrajectory(/*bend_m=*/0.5);
   const auto report = synchronizer_.Synchronize(StraightGraph(kNumNodes, /*revision=*/7));
   ASSERT_TRUE(report.ok()) << report.status();
   ASSERT_FALSE(report->batch.add.empty());
@@ -60,7 +60,7 @@ TEST_F(GraphSynchronizerTest, DriftGivesOneBatchOfTheServersRelativePoses) {
 }
 
 TEST_F(GraphSynchronizerTest, WhatTheHostAppliedIsNotOfferedAgain) {
-  SetTrajectory(20);
+  SetTrajectory(0.5);
   ASSERT_TRUE(synchronizer_.Synchronize(StraightGraph(kNumNodes, 1)).ok());
   const auto report = synchronizer_.Synchronize(StraightGraph(kNumNodes, 2));
   ASSERT_TRUE(report.ok());
@@ -69,7 +69,7 @@ TEST_F(GraphSynchronizerTest, WhatTheHostAppliedIsNotOfferedAgain) {
 }
 
 TEST_F(GraphSynchronizerTest, WhatTheHostRefusedIsOfferedAnew) {
-  SetTrajectory(20);
+  SetTrajectory(0.5);
   SetAnswer(absl::UnavailableError("busy"));
   const auto refused = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1));
   ASSERT_TRUE(refused.ok());
@@ -85,6 +85,34 @@ TEST_F(GraphSynchronizerTest, WhatTheHostRefusedIsOfferedAnew) {
   }
 }
 
+TEST_F(GraphSynchronizerTest, WhatDidNotDoWhatWasPredictedIsTakenBack) {
+  SetTrajectory(0.5);  // and there it stays, whatever the host is asked to apply
+  const auto first = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(first.ok());
+  ASSERT_FALSE(first->batch.add.empty());
+  EXPECT_GT(first->rmse_before_m, 0.01);
+  EXPECT_LT(first->predicted_rmse_m, first->rmse_before_m);
+  EXPECT_EQ(first->held_back, "");
+  ASSERT_TRUE(synchronizer_.Synchronize(StraightGraph(kNumNodes, 2)).ok());
+  const auto third = synchronizer_.Synchronize(StraightGraph(kNumNodes, 3));
+  ASSERT_TRUE(third.ok());
+  EXPECT_EQ(third->batch.retract.size(), first->batch.add.size());
+  EXPECT_THAT(third->held_back, testing::HasSubstr("did not do what was predicted"));
+}
+
+TEST_F(GraphSynchronizerTest, AServerThatContradictsOdometryIsNotFollowedAtOnce) {
+  SetTrajectory(/*bend_m=*/0);
+  MapGraph wrong = StraightGraph(kNumNodes, 1);
+  for (int i = 30; i < kNumNodes; ++i) {
+    wrong.missions[0].nodes[i].map_from_body.translation.y() += 5;
+  }
+  const auto report = synchronizer_.Synchronize(wrong);
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_TRUE(report->batch.empty());
+  EXPECT_THAT(report->held_back, testing::HasSubstr("contradicts odometry"));
+  EXPECT_EQ(NumBatches(), 0);
+}
+
 TEST_F(GraphSynchronizerTest, AThrowingHostIsAHostThatRefuses) {
   SetThrows(true);
   const auto status = synchronizer_.Synchronize(StraightGraph(kNumNodes, 1)).status();
@@ -96,7 +124,7 @@ TEST_F(GraphSynchronizerTest, AThrowingHostIsAHostThatRefuses) {
 TEST_F(GraphSynchronizerTest, AnExceptionFromApplyConstraintsCountsAsRefusal) {
   class ThrowingHost : public HostEstimator {
    public:
-    std::vector<OnboardPose> Trajectory() override { return BentTrajectory(kNumNodes, 20); }
+    std::vector<OnboardPose> Trajectory() override { return BentTrajectory(kNumNodes, 0.5); }
     absl::Status ApplyConstraints(const ConstraintBatch& /*batch*/) override {
       if (calls_++ == 0) throw 42;  // NOLINT: hosts do such things
       return absl::OkStatus();
@@ -116,7 +144,7 @@ TEST_F(GraphSynchronizerTest, AnExceptionFromApplyConstraintsCountsAsRefusal) {
 }
 
 TEST_F(GraphSynchronizerTest, AMissionTheServerDoesNotKnowOrTooFewCommonNodesAreErrors) {
-  SetTrajectory(20);
+  SetTrajectory(0.5);
   MapGraph graph = StraightGraph(kNumNodes, 1);
   graph.missions[0].id.mission = "another_run";
   EXPECT_EQ(synchronizer_.Synchronize(graph).status().code(), absl::StatusCode::kNotFound);

@@ -2,8 +2,8 @@
 // Sparse Cholesky factorisation of a symmetric positive definite matrix of 6 x 6 blocks, one block
 // row for each pose. The order of elimination and the fill are found once for a pattern, which
 // Gauss-Newton then factorises at every step.
-#ifndef OVERTONE_CLIENT_ESTIMATOR_BLOCK_CHOLESKY_H_
-#define OVERTONE_CLIENT_ESTIMATOR_BLOCK_CHOLESKY_H_
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_BLOCK_CHOLESKY_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_BLOCK_CHOLESKY_H_
 
 #include <cstdint>
 #include <utility>
@@ -46,4 +46,4 @@ class BlockCholesky {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_ESTIMATOR_BLOCK_CHOLESKY_H_
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_BLOCK_CHOLESKY_H_

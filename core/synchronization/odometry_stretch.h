@@ -8,13 +8,13 @@
 // So the stretch a..b is one edge, eta_b - delta_a ~ N(drift, S), with drift = -sum G_i e_i and S =
 // sum G_i Sigma_i G_i^T. Given its ends, lambda = S^-1 (eta_b - delta_a - drift), each step becomes
 // e_i + w_i = Sigma_i G_i^T lambda. This is exact, the elimination of a random walk's inside.
-#ifndef OVERTONE_CLIENT_ESTIMATOR_ODOMETRY_STRETCH_H_
-#define OVERTONE_CLIENT_ESTIMATOR_ODOMETRY_STRETCH_H_
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_ODOMETRY_STRETCH_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_ODOMETRY_STRETCH_H_
 
 #include <vector>
 
-#include "overtone/client/estimator/chain_smoother.h"
-#include "overtone/client/estimator/twist_matrix.h"
+#include "overtone/core/synchronization/chain_smoother.h"
+#include "overtone/core/synchronization/twist_matrix.h"
 #include "overtone/core/geometry/se3.h"
 
 namespace overtone {
@@ -42,4 +42,4 @@ struct OdometryStretch {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_ESTIMATOR_ODOMETRY_STRETCH_H_
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_ODOMETRY_STRETCH_H_

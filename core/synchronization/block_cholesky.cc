@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/client/estimator/block_cholesky.h"
+#include "overtone/core/synchronization/block_cholesky.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/client/estimator/small_motion.h"
+#include "overtone/core/synchronization/small_motion.h"
 
 #include <cmath>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exp(xi) and its right Jacobian together, for what an odometry step is in error.
-#ifndef OVERTONE_CLIENT_ESTIMATOR_SMALL_MOTION_H_
-#define OVERTONE_CLIENT_ESTIMATOR_SMALL_MOTION_H_
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_SMALL_MOTION_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_SMALL_MOTION_H_
 
 #include "Eigen/Core"
-#include "overtone/client/estimator/twist_matrix.h"
+#include "overtone/core/synchronization/twist_matrix.h"
 #include "overtone/core/geometry/se3.h"
 
 namespace overtone {
@@ -20,4 +20,4 @@ struct SmallMotion {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_ESTIMATOR_SMALL_MOTION_H_
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_SMALL_MOTION_H_

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/client/estimator/chain_smoother.h"
+#include "overtone/core/synchronization/chain_smoother.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "absl/status/status.h"
-#include "overtone/client/estimator/block_cholesky.h"
-#include "overtone/client/estimator/odometry_stretch.h"
+#include "overtone/core/synchronization/block_cholesky.h"
+#include "overtone/core/synchronization/odometry_stretch.h"
 #include "overtone/core/common/status_macros.h"
 
 namespace overtone {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/client/estimator/odometry_stretch.h"
+#include "overtone/core/synchronization/odometry_stretch.h"
 
 #include "Eigen/Cholesky"
-#include "overtone/client/estimator/small_motion.h"
+#include "overtone/core/synchronization/small_motion.h"
 
 namespace overtone {
 

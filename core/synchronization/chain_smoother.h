@@ -5,8 +5,8 @@
 // by Gauss-Newton. A chain has far more poses than chord ends, so each stretch of odometry between
 // two ends is condensed into one edge first (odometry_stretch.h), the small graph of the ends is
 // solved by a sparse factorisation, and the correction is spread over each stretch.
-#ifndef OVERTONE_CLIENT_ESTIMATOR_CHAIN_SMOOTHER_H_
-#define OVERTONE_CLIENT_ESTIMATOR_CHAIN_SMOOTHER_H_
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_CHAIN_SMOOTHER_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_CHAIN_SMOOTHER_H_
 
 #include <cstdint>
 #include <vector>
@@ -58,4 +58,4 @@ absl::StatusOr<ChainSmootherResult> SmoothChain(const std::vector<Rigid3d>& pose
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_ESTIMATOR_CHAIN_SMOOTHER_H_
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_CHAIN_SMOOTHER_H_

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // [X, Y; 0, X], the shape of SE(3)'s adjoints and Jacobians: half the numbers of a 6 x 6 matrix,
 // and a third of the work in products with one.
-#ifndef OVERTONE_CLIENT_ESTIMATOR_TWIST_MATRIX_H_
-#define OVERTONE_CLIENT_ESTIMATOR_TWIST_MATRIX_H_
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_TWIST_MATRIX_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_TWIST_MATRIX_H_
 
 #include "Eigen/Core"
 #include "Eigen/Geometry"
@@ -70,4 +70,4 @@ class CongruenceSum {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_CLIENT_ESTIMATOR_TWIST_MATRIX_H_
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_TWIST_MATRIX_H_

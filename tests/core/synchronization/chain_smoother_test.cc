@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/client/estimator/chain_smoother.h"
+#include "overtone/core/synchronization/chain_smoother.h"
 
 #include <algorithm>
 #include <cmath>

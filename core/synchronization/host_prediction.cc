@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/core/synchronization/host_prediction.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <set>
+#include <utility>
+
+#include "Eigen/Cholesky"
+#include "overtone/core/common/status_macros.h"
+#include "overtone/core/synchronization/aligned_rmse.h"
+#include "overtone/core/synchronization/chain_smoother.h"
+
+namespace overtone {
+namespace {
+
+bool IndexBefore(const NodePose& node, int64_t index) { return node.index < index; }
+
+// -1: there is none.
+int PositionOf(const std::vector<NodePose>& nodes, int64_t index) {
+  const auto node = std::lower_bound(nodes.begin(), nodes.end(), index, IndexBefore);
+  if (node == nodes.end() || node->index != index) return -1;
+  return static_cast<int>(node - nodes.begin());
+}
+
+// The rows, and the keyframes between them at which constraints end.
+std::vector<NodePose> NodesOf(const TrajectoryComparison& comparison,
+                              const std::vector<Constraint>& in_force) {
+  std::vector<NodePose> nodes = RowsOf(comparison);
+  std::set<int64_t> ends;
+  for (const Constraint& constraint : in_force) ends.insert({constraint.from, constraint.to});
+  for (const NodePose& node : comparison.unmatched) {
+    if (ends.count(node.index) > 0) nodes.push_back(node);
+  }
+  std::sort(nodes.begin(), nodes.end(),
+            [](const NodePose& a, const NodePose& b) { return a.index < b.index; });
+  return nodes;
+}
+
+std::vector<OdometryStep> StepsOf(const OdometryChain& chain) {
+  std::vector<OdometryStep> steps(chain.poses.size());
+  for (int i = 1; i < steps.size(); ++i) {
+    steps[i].previous_from_this = chain.poses[i - 1].Inverse() * chain.poses[i];
+    steps[i].covariance = chain.step_covariance[i];
+    steps[i].information = chain.step_covariance[i].llt().solve(Matrix6d::Identity());
+  }
+  return steps;
+}
+
+std::vector<Chord> ChordsOf(const std::vector<NodePose>& nodes,
+                            const std::vector<Constraint>& in_force) {
+  std::vector<Chord> chords;
+  for (const Constraint& constraint : in_force) {
+    Chord chord;
+    chord.from = PositionOf(nodes, constraint.from);
+    chord.to = PositionOf(nodes, constraint.to);
+    if (chord.from < 0 || chord.to < 0) continue;
+    chord.from_tform_to = constraint.from_tform_to;
+    chord.information = constraint.covariance.llt().solve(Matrix6d::Identity());
+    chords.push_back(chord);
+  }
+  return chords;
+}
+
+}  // namespace
+
+std::vector<NodePose> RowsOf(const TrajectoryComparison& comparison) {
+  std::vector<NodePose> rows;
+  rows.reserve(comparison.onboard.size());
+  for (int i = 0; i < comparison.onboard.size(); ++i) {
+    rows.push_back({comparison.keyframe_index[i], Timestamp(), comparison.onboard[i]});
+  }
+  return rows;
+}
+
+absl::StatusOr<HostPrediction> PredictHost(const TrajectoryComparison& comparison,
+                                           const OdometryRecord& record, const OdometryModel& model,
+                                           const std::vector<Constraint>& in_force) {
+  const std::vector<NodePose> nodes = NodesOf(comparison, in_force);
+  std::vector<Rigid3d> start;
+  for (const NodePose& node : nodes) start.push_back(node.estimate_from_body);
+  ASSIGN_OR_RETURN(const ChainSmootherResult smoothed,
+                   SmoothChain(start, StepsOf(record.Along(nodes, model)),
+                               ChordsOf(nodes, in_force), ChainSmootherOptions()));
+  HostPrediction prediction;
+  for (int i = 0, row = 0; i < nodes.size() && row < comparison.keyframe_index.size(); ++i) {
+    if (nodes[i].index != comparison.keyframe_index[row]) continue;
+    prediction.rows.push_back(smoothed.poses[i]);
+    ++row;
+  }
+  prediction.rmse_m = AlignedRmse(prediction.rows, comparison.server);
+  return prediction;
+}
+
+}  // namespace overtone

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where to put a given number of knots, or as few as do, such that the predicted RMSE is least.
+#ifndef OVERTONE_CORE_SYNCHRONIZATION_KNOT_SEARCH_H_
+#define OVERTONE_CORE_SYNCHRONIZATION_KNOT_SEARCH_H_
+
+#include <vector>
+
+#include "overtone/core/synchronization/chord_prediction.h"
+#include "overtone/core/synchronization/knot_table.h"
+
+namespace overtone {
+
+// Rows, increasing; chords join consecutive ones. No knots: odometry as it is.
+struct KnotSet {
+  std::vector<int> knots;
+  double rmse_m = 0;  // ChordPrediction::ExactRmse
+
+  int NumChords() const { return knots.empty() ? 0 : static_cast<int>(knots.size()) - 1; }
+};
+
+struct KnotSearchOptions {
+  int max_candidates = 96;         // of the dynamic programme; its table has half their square
+  int samples_per_stretch = 12;    // nodes that stand for a stretch in the table, ...
+  int samples_in_refinement = 48;  // ... and when knots are moved; 0: all
+  // With so few chords, where the alignment matters most, single knots are tried everywhere.
+  int max_chords_to_try_all = 4;
+};
+
+class KnotSearch {
+ public:
+  // `prediction` must outlive it and have at least two nodes.
+  KnotSearch(const ChordPrediction& prediction, const KnotSearchOptions& options);
+
+  // The best that is found for exactly so many chords, or for as many as there are candidates for:
+  // from the dynamic programme's answer and from each of `starts` (those of another number are
+  // passed over), knots are moved between their neighbours, and the programme is asked again with
+  // the alignment that has come of it. So it is never worse by its own prediction than a start.
+  KnotSet BestOf(int num_chords, const std::vector<std::vector<int>>& starts) const;
+
+  // Moves single knots as long as that lowers the predicted RMSE.
+  std::vector<int> Refine(const std::vector<int>& knots) const;
+
+ private:
+  KnotSet Better(const KnotSet& best, const std::vector<int>& knots) const;
+  KnotSet Alternate(std::vector<int> knots) const;
+  std::vector<int> OneMore(const std::vector<int>& knots) const;
+  std::vector<int> Reinsert(const std::vector<int>& knots) const;
+
+  const ChordPrediction& prediction_;
+  const KnotSearchOptions options_;
+  const KnotTable table_;
+};
+
+// Rows of `count` candidates for knots: equal shares of the nodes, and both ends of the largest
+// steps in which server and odometry disagree. Strictly increasing; all rows where there are fewer.
+std::vector<int> CandidateKnots(const ChordPrediction& prediction, int count);
+
+}  // namespace overtone
+
+#endif  // OVERTONE_CORE_SYNCHRONIZATION_KNOT_SEARCH_H_

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "overtone/core/synchronization/knot_selection.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "overtone/core/synchronization/chord_selection.h"
+#include "overtone/core/synchronization/constraint_generation.h"
+#include "overtone/core/synchronization/knot_search.h"
+#include "overtone/core/synchronization/knot_update.h"
+
+namespace overtone {
+namespace {
+
+// Of a chord's variance, at most, in odometry's over the same way.
+constexpr double kLargestVarianceShare = 1e-3;
+// Knots stay while they are so much worse than the best, as a share of what is left.
+constexpr double kToleratedLoss = 0.1;
+
+std::vector<int> UniformKnots(const TrajectoryComparison& comparison,
+                              SynchronizationOptions options, int num_chords) {
+  options.selection.n = num_chords;
+  return KnotRows(comparison, UniformChords(comparison, options));
+}
+
+// The fewest chords that come within the tolerance; with more than that the best of max_chords.
+KnotSet FewestKnots(const TrajectoryComparison& comparison, const SynchronizationOptions& options,
+                    const ChordPrediction& prediction) {
+  const KnotSearch search(prediction, KnotSearchOptions());
+  const auto best_of = [&](int num_chords) {
+    return search.BestOf(num_chords, {UniformKnots(comparison, options, num_chords)});
+  };
+  int most = std::min(options.selection.n, prediction.size() - 1);
+  int fewest = 1;
+  KnotSet best = best_of(most);
+  if (best.rmse_m > options.selection.tolerance_m) return best;
+  while (fewest < most) {
+    const int middle = (fewest + most) / 2;
+    KnotSet fewer = best_of(middle);
+    if (fewer.rmse_m > options.selection.tolerance_m) {
+      fewest = middle + 1;
+    } else {
+      most = middle;
+      best = std::move(fewer);
+    }
+  }
+  return best;
+}
+
+Constraint KnotChord(const TrajectoryComparison& comparison, const ChordPrediction& prediction,
+                     int from, int to, const SynchronizationOptions& options) {
+  const double score = RelativePoseDiscrepancy(comparison, from, to, options.signal_weights);
+  Constraint chord =
+      ServerConstraint(comparison, from, to, ConstraintKind::kChord, score, options.constraints);
+  const Vector6d odometry = prediction.Covariance(from, to).diagonal();
+  const Vector6d variance =
+      (kLargestVarianceShare * odometry).cwiseMin(chord.covariance.diagonal());
+  chord.covariance = variance.asDiagonal();
+  return chord;
+}
+
+}  // namespace
+
+ChordPrediction PredictionFor(const TrajectoryComparison& comparison,
+                              const SynchronizationOptions& options,
+                              const SelectionContext& context) {
+  const std::vector<Rigid3d>& odometry =
+      context.odometry.empty() ? comparison.onboard : context.odometry;
+  if (!context.step_covariance.empty()) {
+    return ChordPrediction(comparison.server, odometry, context.step_covariance);
+  }
+  std::vector<Matrix6d> covariance = {Matrix6d::Identity()};
+  for (int i = 1; i < odometry.size(); ++i) {
+    covariance.push_back(
+        OdometryCovariance(odometry[i - 1].Inverse() * odometry[i], options.odometry));
+  }
+  return ChordPrediction(comparison.server, odometry, covariance);
+}
+
+std::vector<int> KnotRows(const TrajectoryComparison& comparison,
+                          const std::vector<Constraint>& constraints) {
+  std::vector<const Constraint*> chords;
+  for (const Constraint& constraint : constraints) {
+    if (constraint.kind != ConstraintKind::kChord) return {};
+    chords.push_back(&constraint);
+  }
+  std::sort(chords.begin(), chords.end(),
+            [](const Constraint* a, const Constraint* b) { return a->from < b->from; });
+  std::vector<int> rows;
+  int64_t knot = chords.empty() ? 0 : chords.front()->from;
+  const std::vector<int64_t>& held = comparison.keyframe_index;
+  for (int k = 0; k <= chords.size() && !chords.empty(); ++k) {
+    const auto row = std::lower_bound(held.begin(), held.end(), knot);
+    if (row == held.end() || *row != knot) return {};
+    rows.push_back(static_cast<int>(row - held.begin()));
+    if (k == chords.size()) break;
+    if (chords[k]->from != knot || chords[k]->to <= knot) return {};
+    knot = chords[k]->to;
+  }
+  return rows;
+}
+
+std::vector<Constraint> SelectKnots(const TrajectoryComparison& comparison,
+                                    const SynchronizationOptions& options,
+                                    const SelectionContext& context) {
+  const ChordPrediction prediction = PredictionFor(comparison, options, context);
+  const double tolerance_m = options.selection.tolerance_m;
+  const double without_m = prediction.ExactRmse({});
+  if (without_m <= tolerance_m) return {};
+  const KnotSet best = FewestKnots(comparison, options, prediction);
+  if (!(best.rmse_m < without_m)) return {};
+
+  std::vector<int> knots = best.knots;
+  const std::vector<int> known = KnotRows(comparison, context.active);
+  if (!known.empty()) {
+    knots =
+        UpdateKnots(prediction, known, best, kToleratedLoss * std::max(tolerance_m, best.rmse_m));
+  }
+  std::vector<Constraint> chords;
+  for (int k = 1; k < knots.size(); ++k) {
+    chords.push_back(KnotChord(comparison, prediction, knots[k - 1], knots[k], options));
+  }
+  return chords;
+}
+
+}  // namespace overtone
