@@ -32,6 +32,7 @@ class GncRun {
     probe.max_steps = kProbeSteps;
     Solve(probe);
     const double initial_cost = last_.initial_cost;
+    if (last_.given_up) return last_;
     if (weights_ != ThresholdWeights()) {
       problem_.SetEstimate(initial);
       problem_.PlaceLandmarks();
@@ -57,6 +58,7 @@ class GncRun {
     for (int step = 0; step < options_.max_steps; ++step) {
       SetWeights(SurrogateWeights(mu));
       Solve(inner);
+      if (last_.given_up) return;
       const double next_mu = NextControlParameter(options_.loss, mu, options_.factor);
       if (next_mu == mu || IsSharp(mu) || (step > 0 && WeightsAreBinary())) break;
       mu = next_mu;
@@ -70,7 +72,7 @@ class GncRun {
     for (int step = 0; step < kMaxSettlingSteps; ++step) {
       SetWeights(ThresholdWeights());
       Solve(limits_);
-      if (weights_ == ThresholdWeights()) return;
+      if (last_.given_up || weights_ == ThresholdWeights()) return;
     }
   }
 

@@ -52,6 +52,7 @@ SolveSummary SolveProblem(const PoseGraph& graph, const PoseGraphOptimizerOption
   limits.max_iterations = options.max_iterations;
   limits.function_tolerance = options.function_tolerance;
   limits.num_threads = options.num_threads;
+  limits.give_up = options.give_up;
   if (!IsGraduated(options.loss)) return problem.Solve(limits);
   const std::vector<double> all_weights = InitialWeights(graph, options);
   std::vector<int> doubtful;
@@ -106,6 +107,9 @@ absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph,
       options.initial_sighting_weights.size() != graph.sightings.size()) {
     return absl::InvalidArgumentError("initial_sighting_weights must be one for each sighting");
   }
+  if (!options.held.empty() && options.held.size() != graph.poses.size() + graph.landmarks.size()) {
+    return absl::InvalidArgumentError("held must be one for each pose and landmark");
+  }
   ASSIGN_OR_RETURN(const PoseGraphFactors factors, CheckAndFactorise(graph));
   const Clock::time_point checked = Clock::now();
   ASSIGN_OR_RETURN(const std::vector<Rigid3d> first_guess,
@@ -116,9 +120,11 @@ absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph,
   PoseGraphProblem problem(
       graph, factors,
       {options.loss, options.closure_chi_square_limit, options.sighting_chi_square_limit});
+  problem.Hold(options.held);
   problem.SetEstimate({first_guess, graph.landmarks});
   if (options.initialisation != PoseGraphInitialisation::kGiven) problem.PlaceLandmarks();
   const SolveSummary summary = SolveProblem(graph, options, problem);
+  if (summary.given_up) return absl::CancelledError("given up");
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;
   result.converged = summary.converged;

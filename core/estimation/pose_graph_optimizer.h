@@ -8,6 +8,7 @@
 #ifndef OVERTONE_CORE_ESTIMATION_POSE_GRAPH_OPTIMIZER_H_
 #define OVERTONE_CORE_ESTIMATION_POSE_GRAPH_OPTIMIZER_H_
 
+#include <atomic>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -43,6 +44,11 @@ struct PoseGraphOptimizerOptions {
   // Stops when an iteration lowers the cost by less than this share of it.
   double function_tolerance = 1e-10;
   int num_threads = 1;
+  // One for each pose, then one for each landmark: stays where it is. Empty: none. A component that
+  // has such a pose is held by it.
+  std::vector<bool> held;
+  // Read between iterations, from whichever thread sets it: true ends the run. Null: nothing does.
+  const std::atomic<bool>* give_up = nullptr;
 
   absl::Status Validate() const;
 };
@@ -66,8 +72,9 @@ struct PoseGraphResult {
 };
 
 // InvalidArgument as by CheckPoseGraph (pose_graph_check.h) and Validate; FailedPrecondition as by
-// ChordalInitialisation. Parts tied by too few sightings to be rigid (one common landmark) keep the
-// motion these leave open near where it began. Deterministic with one thread.
+// ChordalInitialisation; Cancelled when it was given up. Parts tied by too few sightings to be
+// rigid (one common landmark) keep the motion these leave open near where it began. Deterministic
+// with one thread.
 absl::StatusOr<PoseGraphResult> OptimizePoseGraph(const PoseGraph& graph,
                                                   const PoseGraphOptimizerOptions& options);
 

@@ -22,15 +22,18 @@ ceres::Problem::Options NonOwningOptions() {
 
 class StepLimit final : public ceres::IterationCallback {
  public:
-  explicit StepLimit(int max_steps) : steps_left_(max_steps) {}
+  explicit StepLimit(const SolveLimits& limits)
+      : steps_left_(limits.max_steps), give_up_(limits.give_up) {}
 
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+    if (give_up_ != nullptr && *give_up_) return ceres::SOLVER_ABORT;
     if (summary.iteration > 0 && summary.step_is_successful) --steps_left_;
     return steps_left_ > 0 ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
   }
 
  private:
   int steps_left_;
+  const std::atomic<bool>* give_up_;
 };
 
 ceres::Solver::Options SolverOptions(const SolveLimits& limits) {
@@ -127,9 +130,14 @@ void PoseGraphProblem::HoldOnePosePerComponent() {
   for (const Measurement& measurement : measurements_) {
     if (measurement.weight > 0) components.Unite(measurement.ends[0], measurement.ends[1]);
   }
+  std::vector<bool> anchored(num_variables, false);  // of a component's first variable
+  for (size_t i = 0; i < to_stay_.size(); ++i) {
+    if (to_stay_[i]) anchored[components.Representative(static_cast<int>(i))] = true;
+  }
   // Landmarks come after the poses, so one that is first in its component is on its own.
   for (int i = 0; i < num_variables; ++i) {
-    const bool hold = components.Representative(i) == i;
+    const bool hold =
+        (!to_stay_.empty() && to_stay_[i]) || (components.Representative(i) == i && !anchored[i]);
     if (hold == held_[i]) continue;
     held_[i] = hold;
     hold ? problem_->SetParameterBlockConstant(Block(i))
@@ -149,7 +157,7 @@ int PoseGraphProblem::NumComponents() const {
 
 SolveSummary PoseGraphProblem::Solve(const SolveLimits& limits) {
   HoldOnePosePerComponent();
-  StepLimit step_limit(limits.max_steps);
+  StepLimit step_limit(limits);
   ceres::Solver::Options options = SolverOptions(limits);
   options.callbacks.push_back(&step_limit);
   ceres::Solver::Summary summary;
@@ -159,6 +167,7 @@ SolveSummary PoseGraphProblem::Solve(const SolveLimits& limits) {
   result.final_cost = summary.final_cost;
   result.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps;
   result.converged = summary.termination_type == ceres::CONVERGENCE;
+  result.given_up = summary.termination_type == ceres::USER_FAILURE;
   return result;
 }
 

@@ -3,12 +3,15 @@
 // and sighting. Loop closures and sightings carry a weight that may be changed between solves.
 // Every solve holds one pose of each connected component (over the measurements of weight above 0),
 // the one of smallest index: nothing measures where a component is, so without it the problem is
-// singular. A landmark that no sighting of weight above 0 reaches is held too.
+// singular. A component with poses that are to stay anyway has no need of another. A landmark that
+// no sighting of weight above 0 reaches is held too.
 #ifndef OVERTONE_CORE_ESTIMATION_POSE_GRAPH_PROBLEM_H_
 #define OVERTONE_CORE_ESTIMATION_POSE_GRAPH_PROBLEM_H_
 
+#include <atomic>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "ceres/problem.h"
@@ -24,6 +27,7 @@ struct SolveLimits {
   int max_steps = std::numeric_limits<int>::max();  // iterations that lower the cost
   double function_tolerance = 0;                    // relative decrease of the cost
   int num_threads = 1;
+  const std::atomic<bool>* give_up = nullptr;  // true ends the solve; null: nothing does
 };
 
 struct SolveSummary {
@@ -31,6 +35,7 @@ struct SolveSummary {
   double final_cost = 0;
   int iterations = 0;
   bool converged = false;
+  bool given_up = false;
 };
 
 // The loss of what may be wrong, with the limit c^2 of each kind (robust_loss.h).
@@ -55,6 +60,9 @@ class PoseGraphProblem {
                    const PoseGraphLoss& loss);
   PoseGraphProblem(const PoseGraphProblem&) = delete;
   PoseGraphProblem& operator=(const PoseGraphProblem&) = delete;
+
+  // Keeps these variables (poses first) as they are; empty: none.
+  void Hold(std::vector<bool> variables) { to_stay_ = std::move(variables); }
 
   // Minimises from the present estimate. Never fails outright: a solver that cannot go on leaves
   // the best estimate so far.
@@ -104,7 +112,8 @@ class PoseGraphProblem {
   PoseManifold manifold_;
   std::vector<double> blocks_;  // kPoseBlockSize for each pose, then kPointBlockSize
   std::vector<Measurement> measurements_;
-  std::vector<bool> held_;                   // one for each variable
+  std::vector<bool> to_stay_;                // one for each variable, or empty
+  std::vector<bool> held_;                   // one for each variable: in the last solve
   std::unique_ptr<ceres::Problem> problem_;  // last: refers to the others
 };
 

@@ -10,8 +10,8 @@
 #ifndef OVERTONE_CORE_ESTIMATION_UNCERTAIN_TRAJECTORY_H_
 #define OVERTONE_CORE_ESTIMATION_UNCERTAIN_TRAJECTORY_H_
 
-#include <vector>
-
+#include "overtone/core/common/block_vector.h"
+#include "overtone/core/geometry/packed_covariance.h"
 #include "overtone/core/geometry/se3.h"
 
 namespace overtone {
@@ -24,8 +24,8 @@ class UncertainTrajectory {
   // counts for nothing.
   void Append(const Rigid3d& world_from_body, const Matrix6d& motion_covariance);
 
-  // After an optimisation: as many poses as before, the motions keep their covariances. O(n).
-  void ReplacePoses(const std::vector<Rigid3d>& world_from_body);
+  // Forgets all from pose `size` on, size <= Size().
+  void Truncate(int size);
 
   // i_from_k, in any order.
   Rigid3d WorldFromBody(int i) const { return first_from_world_.Inverse() * poses_[i]; }
@@ -34,12 +34,9 @@ class UncertainTrajectory {
   Matrix6d Covariance(int i, int k) const;
 
  private:
-  void AppendToSums();
-
   Rigid3d first_from_world_;
-  std::vector<Rigid3d> poses_;  // first_from_body: far from the origin the sums would lose digits
-  std::vector<Matrix6d> motion_covariances_;
-  std::vector<Matrix6d> sums_;  // S
+  BlockVector<Rigid3d> poses_;  // first_from_body: far from the origin the sums would lose digits
+  BlockVector<PackedCovariance> sums_;  // S
 };
 
 }  // namespace overtone

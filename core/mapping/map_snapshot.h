@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "overtone/core/common/ids.h"
-#include "overtone/core/graph/submap.h"
+#include "overtone/core/mapping/keyframe_blocks.h"
 #include "overtone/core/mapping/loop_closure.h"
 
 namespace overtone {
@@ -23,7 +23,7 @@ struct SnapshotMission {
   int component = 0;
   Rigid3d
       map_from_mission;  // best rigid alignment of the odometry frame: that of the last keyframe
-  std::vector<Keyframe> keyframes;     // as uploaded
+  KeyframeBlocks keyframes;            // as uploaded; shared by all snapshots
   std::vector<Rigid3d> map_from_body;  // as optimised, one for each keyframe
   std::vector<int64_t> submap_starts;  // first keyframe index of each submap, increasing
 };

@@ -2,6 +2,7 @@
 #include "overtone/core/mapping/multi_robot_map.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -49,28 +50,24 @@ absl::Status MultiRobotMapOptions::Validate() const {
 // New keyframes follow from the mission's last optimised pose by odometry.
 void MultiRobotMap::State::AppendKeyframes(const Submap& submap, int position) {
   SnapshotMission& mission = missions[position];
+  UncertainTrajectory& path = odometry[position];
   mission.submap_starts.push_back(submap.first_index);
+  const Keyframe* previous = mission.keyframes.empty() ? nullptr : &mission.keyframes.back();
   for (const Keyframe& keyframe : submap.keyframes) {
-    Rigid3d map_from_mission;
-    if (!mission.keyframes.empty()) {
-      map_from_mission =
-          mission.map_from_body.back() * mission.keyframes.back().mission_from_body.Inverse();
+    Rigid3d motion;
+    Rigid3d map_from_body = keyframe.mission_from_body, path_from_body = map_from_body;
+    if (previous != nullptr) {
+      motion = previous->mission_from_body.Inverse() * keyframe.mission_from_body;
+      map_from_body = mission.map_from_body.back() * motion;
+      path_from_body = path.WorldFromBody(path.Size() - 1) * motion;
     }
-    mission.map_from_body.push_back(map_from_mission * keyframe.mission_from_body);
-    Motion motion;
-    if (!mission.keyframes.empty()) {
-      motion.previous_from_this =
-          mission.keyframes.back().mission_from_body.Inverse() * keyframe.mission_from_body;
-    }
-    mission.keyframes.push_back(keyframe);
-    motion.covariance =
-        MotionCovariance(mission, static_cast<int64_t>(mission.keyframes.size()) - 1);
-    UncertainTrajectory& path = odometry[position];
-    path.Append(path.Size() == 0 ? keyframe.mission_from_body
-                                 : path.WorldFromBody(path.Size() - 1) * motion.previous_from_this,
-                motion.covariance);
-    motions[position].push_back(motion);
+    const Matrix6d covariance = MotionCovariance(previous, keyframe);
+    mission.map_from_body.push_back(map_from_body);
+    path.Append(path_from_body, covariance);
+    motions[position].push_back({motion, PackedCovariance(covariance)});
+    previous = &keyframe;
   }
+  mission.keyframes.Append(submap.keyframes);
 }
 
 void MultiRobotMap::State::AppendMeasurements(const MissionId& mission, const Submap& submap) {
@@ -95,18 +92,20 @@ void MultiRobotMap::State::AppendMeasurements(const MissionId& mission, const Su
 }
 
 void MultiRobotMap::State::InsertCandidate(const LoopCandidate& candidate) {
-  std::vector<int>& same_ends = closures_of_ends[{candidate.from, candidate.to}];
-  for (const int k : same_ends) {
-    if (SameMeasurement(closures[k].candidate, candidate)) return;
+  const std::string ends = absl::StrCat(ToString(candidate.from), ">", ToString(candidate.to), "#");
+  std::string id;
+  for (int number = 0;; ++number) {
+    id = absl::StrCat(ends, number);
+    const auto same_ends = closure_of_id.find(id);
+    if (same_ends == closure_of_id.end()) break;
+    if (SameMeasurement(closures[same_ends->second].candidate, candidate)) return;
   }
   const int position = static_cast<int>(closures.size());
   ClosureRecord& record = closures.emplace_back();
-  record.id =
-      absl::StrCat(ToString(candidate.from), ">", ToString(candidate.to), "#", same_ends.size());
+  record.id = std::move(id);
   record.candidate = candidate;
   record.verdict = JudgeFigures(candidate);
   record.since_revision = revision + 1;
-  same_ends.push_back(position);
   closure_of_id[record.id] = position;
   decisions.push_back(ClosureDecision::kNone);
   consistency_row.push_back(-1);
@@ -216,6 +215,7 @@ absl::Status MultiRobotMap::AddSubmap(const MissionId& id, const Submap& submap)
     fresh.component = position;
     state_->odometry.emplace_back();
     state_->motions.emplace_back();
+    state_->chains.emplace_back();
   }
   state_->AppendKeyframes(submap, position);
   state_->AppendMeasurements(id, submap);
@@ -245,8 +245,10 @@ uint64_t MultiRobotMap::revision() const { return state_->revision; }
 
 const RevisionHistory& MultiRobotMap::history() const { return state_->history; }
 
-std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
+std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise(const std::atomic<bool>* give_up) {
   State& state = *state_;
+  State::Estimate before = state.Save();
+  state.give_up = give_up;
   state.dirty = false;
   ++state.revision;
   state.FollowRefinedMotions();
@@ -256,19 +258,16 @@ std::shared_ptr<const MapSnapshot> MultiRobotMap::Optimise() {
   state.JoinFrames(State::Joining::kInUse);
   state.JudgeWeakClosures();
   state.Quarantine();
-  const MapProblem problem = state.BuildProblem();
-  auto result = state.Solve(problem, /*warm=*/true);
-  if (!result.ok()) {
-    // Cannot happen with what AddSubmap and AddCandidate let in; if it does, the old estimate
-    // stands.
-    return state.Publish(PoseGraphResult());
+  MapProblem problem = state.BuildProblem();
+  const auto result = state.SolveAndReconsider(problem);
+  if (absl::IsCancelled(result.status())) {
+    state.GoBack(std::move(before));
+    --state.revision;
+    state.dirty = true;
+    return nullptr;
   }
-  if (state.Demotes(/*between_missions=*/true, *result, problem)) {
-    state.Reconsider(State::Shapes::kPresent, problem, *result);
-  }
-  if (state.Demotes(/*between_missions=*/false, *result, problem)) {
-    state.Reconsider(State::Shapes::kOfOdometry, problem, *result);
-  }
+  // Cannot happen with what AddSubmap and AddCandidate let in; if it does, the old estimate stands.
+  if (!result.ok()) return state.Publish(PoseGraphResult());
   state.TakeResult(*result, problem);
   state.SplitFrames();
   return state.Publish(*result);

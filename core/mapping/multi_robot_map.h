@@ -10,6 +10,7 @@
 #ifndef OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_H_
 #define OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_H_
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -115,10 +116,12 @@ class MultiRobotMap {
 
   const RevisionHistory& history() const;
 
-  // Optimises what is there and freezes it under the next revision number (the first is 1). One
-  // sparse solve, warm-started from the previous result; with GNC some tens of short ones when a
-  // closure contradicts the others.
-  std::shared_ptr<const MapSnapshot> Optimise();
+  // Optimises what is there and freezes it under the next revision number (the first is 1), from
+  // the previous result on: only what is not at rest any more where that is the smaller part, else
+  // one sparse solve of all; with GNC some tens of short ones when a closure contradicts the
+  // others. `give_up` is read between the solvers' iterations, whichever thread sets it: once it is
+  // true the result is null, the estimate and the revision are as before, and the map is dirty.
+  std::shared_ptr<const MapSnapshot> Optimise(const std::atomic<bool>* give_up = nullptr);
 
   // What has to be kept to have the map again as it is after Optimise.
   MapCheckpoint Checkpoint() const;

@@ -51,7 +51,7 @@ void MultiRobotMap::State::Locate(SightingRecord& sighting) const {
       missions[PositionOf(sighting.observer)].keyframes[sighting.observer.index].stamp;
   for (const SnapshotMission& mission : missions) {
     if (mission.id.robot != sighting.robot) continue;
-    const std::vector<Keyframe>& keyframes = mission.keyframes;
+    const KeyframeBlocks& keyframes = mission.keyframes;
     if (stamp < keyframes.front().stamp || keyframes.back().stamp < stamp) continue;
     const auto after = std::upper_bound(
         keyframes.begin(), keyframes.end(), stamp,

@@ -102,6 +102,7 @@ absl::StatusOr<std::shared_ptr<const MapSnapshot>> MultiRobotMap::Restore(
   for (size_t m = 0; m < state.missions.size(); ++m) {
     state.missions[m].component = checkpoint.missions[m].frame;
     state.missions[m].map_from_body = checkpoint.missions[m].frame_from_body;
+    state.chains[m].Forget(0);
   }
   for (size_t k = 0; k < state.closures.size(); ++k) {
     const MapCheckpoint::Closure& closure = checkpoint.closures[k];

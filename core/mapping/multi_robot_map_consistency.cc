@@ -126,6 +126,10 @@ void MultiRobotMap::State::JudgeConsistency() {
 bool MultiRobotMap::State::JudgePair(const std::pair<int, int>& pair,
                                      const std::vector<int>& closures_of_pair,
                                      std::vector<int>& regained) {
+  // The set changes with what is added to it, and with nothing else.
+  const bool nothing_new = std::none_of(closures_of_pair.begin(), closures_of_pair.end(),
+                                        [this](int k) { return consistency_row[k] == kNoRow; });
+  if (nothing_new) return false;
   PairwiseConsistencyOptions consistency_options;
   consistency_options.chi_square_limit = options.consistency_chi_square_limit;
   const auto [entry, fresh] = consistency.try_emplace(pair, consistency_options);

@@ -12,14 +12,12 @@ namespace overtone {
 
 // The odometry's own, and where the robot flags the motion degenerate as much more as it may be
 // wrong: along the direction it names, or in all.
-Matrix6d MultiRobotMap::State::MotionCovariance(const SnapshotMission& mission,
-                                                int64_t index) const {
-  const Keyframe& keyframe = mission.keyframes[index];
+Matrix6d MultiRobotMap::State::MotionCovariance(const Keyframe* previous,
+                                                const Keyframe& keyframe) const {
   Matrix6d covariance = keyframe.motion_covariance;
-  if (!keyframe.degenerate || index == 0) return covariance;
-  const double length = (keyframe.mission_from_body.translation -
-                         mission.keyframes[index - 1].mission_from_body.translation)
-                            .norm();
+  if (!keyframe.degenerate || previous == nullptr) return covariance;
+  const double length =
+      (keyframe.mission_from_body.translation - previous->mission_from_body.translation).norm();
   const double variance = std::pow(options.degenerate_motion_share * length, 2);
   const Eigen::Vector3d& direction = keyframe.degenerate_direction;
   if (direction.isZero()) {
@@ -36,15 +34,16 @@ absl::Status MultiRobotMap::State::RefineMotion(const MotionMeasurement& measure
   const Matrix6d information = measurement.covariance.inverse();
   RETURN_IF_ERROR(SquareRootInformation(measurement.covariance).status());
   RETURN_IF_ERROR(SquareRootInformation(information).status());
-  Motion& motion = motions[position][measurement.to.index];
+  ChainMotion& motion = motions[position][measurement.to.index];
+  const Matrix6d covariance = motion.covariance.Unpacked();
   const Vector6d error = Log(motion.previous_from_this.Inverse() * measurement.previous_from_this);
-  const Matrix6d both = motion.covariance + measurement.covariance;
+  const Matrix6d both = covariance + measurement.covariance;
   if (error.dot(both.ldlt().solve(error)) > options.consistency_chi_square_limit) {
     return absl::OkStatus();
   }
-  const Matrix6d fused = (motion.covariance.inverse() + information).inverse();
+  const Matrix6d fused = (covariance.inverse() + information).inverse();
   motion.previous_from_this = motion.previous_from_this * Exp(fused * (information * error));
-  motion.covariance = 0.5 * (fused + fused.transpose());
+  motion.covariance = PackedCovariance(0.5 * (fused + fused.transpose()));
   const auto [entry, fresh] = refined.insert({position, measurement.to.index});
   if (!fresh) entry->second = std::min(entry->second, measurement.to.index);
   dirty = true;
@@ -79,14 +78,14 @@ int64_t MultiRobotMap::State::LastTiedIndex(int position) const {
 // motion is refined with its keyframe's cloud, before candidates that end there come.
 void MultiRobotMap::State::FollowRefinedMotions() {
   for (const auto& [position, first] : refined) {
-    const std::vector<Motion>& motions_of_mission = motions[position];
-    UncertainTrajectory path;
-    Rigid3d pose = missions[position].keyframes.front().mission_from_body;
-    for (size_t i = 0; i < motions_of_mission.size(); ++i) {
-      if (i > 0) pose = pose * motions_of_mission[i].previous_from_this;
-      path.Append(pose, motions_of_mission[i].covariance);
+    const ChainMotions& motions_of_mission = motions[position];
+    UncertainTrajectory& path = odometry[position];
+    path.Truncate(static_cast<int>(first));
+    for (size_t i = first; i < motions_of_mission.size(); ++i) {
+      path.Append(path.WorldFromBody(path.Size() - 1) * motions_of_mission[i].previous_from_this,
+                  motions_of_mission[i].covariance.Unpacked());
     }
-    odometry[position] = std::move(path);
+    chains[position].Forget(static_cast<int>(first));
     std::vector<Rigid3d>& poses = missions[position].map_from_body;
     for (size_t i = std::max(first, LastTiedIndex(position) + 1); i < poses.size(); ++i) {
       poses[i] = poses[i - 1] * motions_of_mission[i].previous_from_this;

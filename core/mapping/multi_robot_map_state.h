@@ -12,6 +12,7 @@
 #ifndef OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_STATE_H_
 #define OVERTONE_CORE_MAPPING_MULTI_ROBOT_MAP_STATE_H_
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <set>
@@ -22,6 +23,7 @@
 #include "overtone/core/estimation/pairwise_consistency.h"
 #include "overtone/core/estimation/pose_graph_optimizer.h"
 #include "overtone/core/mapping/frame_joining.h"
+#include "overtone/core/mapping/mission_chain.h"
 #include "overtone/core/mapping/multi_robot_map.h"
 
 namespace overtone {
@@ -46,10 +48,12 @@ struct AbsoluteRecord {
   double weight = 1;
 };
 
-// The pose graph of the whole map, and where each of its parts came from.
+// The pose graph of the whole map, and where each of its parts came from. Of a mission it has the
+// joints and an edge for each stretch between two of them (mission_chain.h).
 struct MapProblem {
   PoseGraph graph;                    // pose 0 is the world, which absolute poses refer to
   std::vector<int> first_pose;        // of each mission
+  std::vector<int> first_edge;        // of each mission
   std::vector<int> edge_of_closure;   // -1: not in play
   std::vector<int> edge_of_absolute;  // -1: its mission is in a frame of its own as yet
   std::vector<int> row_of_sighting;   // -1: pending, or between two frames
@@ -67,20 +71,17 @@ struct MultiRobotMap::State {
   uint64_t revision = 0;
   bool dirty = false;
   std::vector<SnapshotMission> missions;
-  // Of each mission: the motion into each keyframe, odometry's or finer, and the path they make.
-  struct Motion {
-    Rigid3d previous_from_this;
-    Matrix6d covariance = Matrix6d::Identity();
-  };
-  std::vector<std::vector<Motion>> motions;
+  // Of each mission: the motion into each keyframe, odometry's or finer, the path they make, and
+  // what the optimiser sees of it.
+  std::vector<ChainMotions> motions;
   std::vector<UncertainTrajectory> odometry;
+  std::vector<MissionChain> chains;
   std::map<int, int64_t> refined;  // missions whose path is not made anew yet, and from where
   std::map<MissionId, int> position_of;
 
   std::vector<ClosureRecord> closures;
   std::vector<ClosureDecision> decisions;  // of each closure
   std::map<std::string, int> closure_of_id;
-  std::map<std::pair<NodeId, NodeId>, std::vector<int>> closures_of_ends;
   std::map<std::pair<int, int>, PairwiseConsistency> consistency;  // of two missions
   std::vector<int> consistency_row;  // of each closure in that of its missions; < 0: none
 
@@ -104,7 +105,7 @@ struct MultiRobotMap::State {
   absl::Status RefineMotion(const MotionMeasurement& measurement, int position);
   void FollowRefinedMotions();
   int64_t LastTiedIndex(int position) const;
-  Matrix6d MotionCovariance(const SnapshotMission& mission, int64_t index) const;
+  Matrix6d MotionCovariance(const Keyframe* previous, const Keyframe& keyframe) const;
 
   // nullptr: not in the map yet.
   const Rigid3d* PoseOf(const NodeId& node) const;
@@ -162,20 +163,40 @@ struct MultiRobotMap::State {
   void MoveFrame(int frame, const Rigid3d& new_from_old, int new_frame);
 
   // The optimisation.
+  bool TakesPart(int closure) const;
+  void FindJoints();
+  int RowOf(const MapProblem& problem, const NodeId& node) const;
   MapProblem BuildProblem();
   void AddMissions(MapProblem& problem) const;
   void AddClosures(MapProblem& problem) const;
   void AddAbsolutes(MapProblem& problem) const;
   void AddSightings(MapProblem& problem);
-  absl::StatusOr<PoseGraphResult> Solve(const MapProblem& problem, bool warm) const;
+  const std::atomic<bool>* give_up = nullptr;  // of the optimisation under way
+  size_t poses_at_full_solve = 0;
+  PoseGraphOptimizerOptions SolverOptions() const;
+  void UseWeights(const MapProblem& problem, PoseGraphOptimizerOptions& solver) const;
+  absl::StatusOr<PoseGraphResult> SolveOnce(const PoseGraph& graph,
+                                            const PoseGraphOptimizerOptions& solver, bool warm);
+  absl::StatusOr<PoseGraphResult> Solve(MapProblem& problem, bool warm);
+  double MoveMissions(const PoseGraphResult& result, MapProblem& problem);
   bool Demotes(bool between_missions, const PoseGraphResult& result,
                const MapProblem& problem) const;
   enum class Shapes { kPresent, kOfOdometry };
-  void Reconsider(Shapes shapes, MapProblem problem, PoseGraphResult& result);
+  absl::Status Reconsider(Shapes shapes, MapProblem problem, PoseGraphResult& result);
+  absl::StatusOr<PoseGraphResult> SolveAndReconsider(MapProblem& problem);
   void Unbend();
   double TruncatedCost(const MapProblem& problem, const PoseGraphResult& result) const;
   void TakeResult(const PoseGraphResult& result, const MapProblem& problem);
   void SetVerdict(ClosureRecord& record, ClosureVerdict verdict) const;
+
+  // What an optimisation that is given up leaves behind: everything where it was.
+  struct Estimate {
+    std::vector<int> components;
+    std::vector<std::vector<Rigid3d>> poses;  // of each mission
+    std::map<std::pair<int, std::string>, Eigen::Vector3d> landmarks;
+  };
+  Estimate Save() const;
+  void GoBack(Estimate estimate);
 
   // After it.
   void SplitFrames();

@@ -18,14 +18,33 @@ std::set<std::string> ClosuresInUse(const MapSnapshot& snapshot) {
   return ids;
 }
 
+// Closures keep their places: a later snapshot of the map has those of an earlier one first.
+bool GoesOn(const std::vector<ClosureRecord>& before, const std::vector<ClosureRecord>& after) {
+  return before.size() <= after.size() &&
+         std::equal(before.begin(), before.end(), after.begin(),
+                    [](const ClosureRecord& a, const ClosureRecord& b) { return a.id == b.id; });
+}
+
 void CompareClosures(const MapSnapshot* before, const MapSnapshot& after, RevisionRecord& record) {
-  const std::set<std::string> old_ids =
-      before == nullptr ? std::set<std::string>() : ClosuresInUse(*before);
-  const std::set<std::string> new_ids = ClosuresInUse(after);
-  std::set_difference(new_ids.begin(), new_ids.end(), old_ids.begin(), old_ids.end(),
-                      std::back_inserter(record.accepted));
-  std::set_difference(old_ids.begin(), old_ids.end(), new_ids.begin(), new_ids.end(),
-                      std::back_inserter(record.dropped));
+  const std::vector<ClosureRecord> none;
+  const std::vector<ClosureRecord>& old = before == nullptr ? none : before->closures;
+  if (!GoesOn(old, after.closures)) {
+    const std::set<std::string> old_ids = ClosuresInUse(*before);
+    const std::set<std::string> new_ids = ClosuresInUse(after);
+    std::set_difference(new_ids.begin(), new_ids.end(), old_ids.begin(), old_ids.end(),
+                        std::back_inserter(record.accepted));
+    std::set_difference(old_ids.begin(), old_ids.end(), new_ids.begin(), new_ids.end(),
+                        std::back_inserter(record.dropped));
+    return;
+  }
+  for (size_t k = 0; k < after.closures.size(); ++k) {
+    const bool was_in_use = k < old.size() && InUse(old[k].verdict);
+    const ClosureRecord& closure = after.closures[k];
+    if (InUse(closure.verdict) == was_in_use) continue;
+    (was_in_use ? record.dropped : record.accepted).push_back(closure.id);
+  }
+  std::sort(record.accepted.begin(), record.accepted.end());
+  std::sort(record.dropped.begin(), record.dropped.end());
 }
 
 void MeasureMoves(const MapSnapshot& before, const MapSnapshot& after, RevisionRecord& record) {

@@ -72,6 +72,7 @@ MappingPipeline::~MappingPipeline() {
   {
     absl::MutexLock lock(&mutex_);
     stopping_ = true;
+    give_up_ = true;
     started = started_;
   }
   if (started) {
@@ -244,7 +245,8 @@ void MappingPipeline::Iterate(const std::vector<Work>& work) {
   for (const Work& item : work) Apply(item);
   if (!map_.dirty()) return;
   times.intake_s = watch.Lap();
-  const std::shared_ptr<const MapSnapshot> snapshot = map_.Optimise();
+  const std::shared_ptr<const MapSnapshot> snapshot = map_.Optimise(&give_up_);
+  if (snapshot == nullptr) return;  // given up: the log has it all
   times.optimise_s = snapshot->optimisation_s;
   times.snapshot_s = std::max(0.0, watch.Lap() - snapshot->optimisation_s);
   spdlog::info("map {}: revision {}: {} missions, {} closures, cost {:.6g} -> {:.6g} in {:.3f} s",
@@ -302,7 +304,8 @@ void MappingPipeline::StoreCheckpointAndWait(uint64_t reserved_through) {
 }
 
 void MappingPipeline::StoreCheckpointWhenDue() {
-  if (stored_revision_ == map_.revision() || absl::Now() < checkpoint_due_) return;
+  // A checkpoint says that all its entries are in the revision: not so after a solve was given up.
+  if (map_.dirty() || stored_revision_ == map_.revision() || absl::Now() < checkpoint_due_) return;
   {
     absl::MutexLock lock(&mutex_);
     if (checkpoints_under_way_ > 0) return;

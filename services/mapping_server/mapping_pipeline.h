@@ -4,6 +4,7 @@
 #ifndef OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_PIPELINE_H_
 #define OVERTONE_SERVICES_MAPPING_SERVER_MAPPING_PIPELINE_H_
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,8 +27,9 @@
 
 namespace overtone {
 
-// Thread-safe. The destructor waits for the optimisation under way and stores a last checkpoint;
-// what waits behind it is dropped: it is in the log.
+// Thread-safe. The destructor gives up the optimisation under way, within an iteration of its
+// solver, and what waits behind it: all that is in the log. Where nothing was under way it stores a
+// last checkpoint.
 class MappingPipeline {
  public:
   struct Sink {
@@ -93,6 +95,7 @@ class MappingPipeline {
   uint64_t stored_revision_ = 0;  // of the last checkpoint that was given to the store
   int64_t stored_entries_ = 0;    // likewise
   absl::Time checkpoint_due_ = absl::InfinitePast();
+  std::atomic<bool> give_up_{false};  // the optimisation under way
 
   mutable absl::Mutex mutex_;
   std::vector<Work> work_ ABSL_GUARDED_BY(mutex_);

@@ -59,18 +59,20 @@ TEST(UncertainTrajectory, IsTheSameWhereverTheWorldHasItsOrigin) {
   EXPECT_LT((far.trajectory.Covariance(3, 25) - expected).norm(), 1e-6 * expected.norm());
 }
 
-TEST(UncertainTrajectory, NewPosesKeepTheUncertaintyOfTheMotions) {
+TEST(UncertainTrajectory, GoesAnotherWayFromWhereItWasCut) {
   std::mt19937 random(4);
-  Chain chain = RandomChain(10, Rigid3d(), random);
+  Chain chain = RandomChain(70, Rigid3d(), random);
   UncertainTrajectory expected;
-  for (int i = 0; i < 10; ++i) {
-    chain.poses[i] = chain.poses[i] * Exp(RandomVector(random, 0.3));
+  for (int i = 0; i < 70; ++i) {
+    if (i >= 33) chain.poses[i] = chain.poses[i] * Exp(RandomVector(random, 0.3));
     expected.Append(chain.poses[i], chain.covariances[i]);
   }
-  chain.trajectory.ReplacePoses(chain.poses);
-  EXPECT_EQ(chain.trajectory.Size(), 10);
-  EXPECT_EQ(chain.trajectory.Covariance(1, 8), expected.Covariance(1, 8));
-  EXPECT_LT(Distance(chain.trajectory.Relative(1, 8), expected.Relative(1, 8)), 1e-12);
+  chain.trajectory.Truncate(33);
+  EXPECT_EQ(chain.trajectory.Size(), 33);
+  for (int i = 33; i < 70; ++i) chain.trajectory.Append(chain.poses[i], chain.covariances[i]);
+  EXPECT_EQ(chain.trajectory.Size(), 70);
+  EXPECT_EQ(chain.trajectory.Covariance(20, 68), expected.Covariance(20, 68));
+  EXPECT_LT(Distance(chain.trajectory.Relative(20, 68), expected.Relative(20, 68)), 1e-12);
 }
 
 // Against samples of the noise itself.

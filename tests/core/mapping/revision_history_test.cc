@@ -19,7 +19,7 @@ SnapshotMission MissionAt(const std::string& robot, int component, const std::ve
   mission.id = Mission(robot);
   mission.component = component;
   mission.anchored = component == 0;
-  mission.keyframes.resize(xs.size());
+  mission.keyframes = std::vector<Keyframe>(xs.size());
   for (const double x : xs) mission.map_from_body.push_back(Planar(x, 0, 0));
   return mission;
 }
