@@ -12,8 +12,8 @@
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
 #include "absl/synchronization/mutex.h"
-#include "overtone/core/synchronization/chain_smoother.h"
 #include "overtone/client/host_estimator.h"
+#include "overtone/core/synchronization/chain_smoother.h"
 
 namespace overtone {
 

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include "absl/status/status.h"
+#include "overtone/core/common/status_macros.h"
 #include "overtone/core/synchronization/block_cholesky.h"
 #include "overtone/core/synchronization/odometry_stretch.h"
-#include "overtone/core/common/status_macros.h"
 
 namespace overtone {
 namespace {

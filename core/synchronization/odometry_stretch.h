@@ -13,9 +13,9 @@
 
 #include <vector>
 
+#include "overtone/core/geometry/se3.h"
 #include "overtone/core/synchronization/chain_smoother.h"
 #include "overtone/core/synchronization/twist_matrix.h"
-#include "overtone/core/geometry/se3.h"
 
 namespace overtone {
 

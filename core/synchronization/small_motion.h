@@ -4,8 +4,8 @@
 #define OVERTONE_CORE_SYNCHRONIZATION_SMALL_MOTION_H_
 
 #include "Eigen/Core"
-#include "overtone/core/synchronization/twist_matrix.h"
 #include "overtone/core/geometry/se3.h"
+#include "overtone/core/synchronization/twist_matrix.h"
 
 namespace overtone {
 

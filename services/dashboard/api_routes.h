@@ -22,7 +22,7 @@
 #include "overtone/services/dashboard/http_library.h"
 #include "overtone/services/dashboard/map_api.h"
 #include "overtone/services/dashboard/map_mirror.h"
-#include "overtone/services/dashboard/revision_history.h"
+#include "overtone/services/dashboard/revision_archive.h"
 
 namespace overtone {
 
@@ -31,7 +31,7 @@ struct ApiContext {
   const DashboardOptions* options;
   const HttpGuard* guard;
   MapApi* api;
-  RevisionHistory* history;
+  RevisionArchive* history;
   MapMirror* mirror;
   CloudCache* clouds;
   EventStream* events;

@@ -57,7 +57,7 @@ struct DashboardServer::Parts {
   const ListenAddress listen;
   const HttpGuard guard;
   MapApi api;
-  RevisionHistory history;
+  RevisionArchive history;
   CloudCache clouds;
   MapMirror mirror;
   EventStream events;

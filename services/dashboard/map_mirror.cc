@@ -25,7 +25,7 @@ void Forget(MapView& view) {
 
 }  // namespace
 
-MapMirror::MapMirror(MapApi* api, RevisionHistory* history, const MirrorOptions& options)
+MapMirror::MapMirror(MapApi* api, RevisionArchive* history, const MirrorOptions& options)
     : api_(api),
       history_(history),
       options_(options),

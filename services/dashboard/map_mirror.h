@@ -14,7 +14,7 @@
 #include "overtone/services/dashboard/map_api.h"
 #include "overtone/services/dashboard/map_view.h"
 #include "overtone/services/dashboard/mission_tracker.h"
-#include "overtone/services/dashboard/revision_history.h"
+#include "overtone/services/dashboard/revision_archive.h"
 
 namespace overtone {
 
@@ -31,7 +31,7 @@ struct MirrorOptions {
 class MapMirror {
  public:
   // Both must outlive it.
-  MapMirror(MapApi* api, RevisionHistory* history, const MirrorOptions& options);
+  MapMirror(MapApi* api, RevisionArchive* history, const MirrorOptions& options);
   ~MapMirror();
 
   std::shared_ptr<const MapView> view() const;
@@ -52,7 +52,7 @@ class MapMirror {
   void Publish(MapView view);
 
   MapApi* const api_;
-  RevisionHistory* const history_;
+  RevisionArchive* const history_;
   const MirrorOptions options_;
   // The thread's own.
   MissionTracker tracker_;

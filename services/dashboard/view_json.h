@@ -10,7 +10,7 @@
 
 #include "nlohmann/json.hpp"
 #include "overtone/services/dashboard/map_view.h"
-#include "overtone/services/dashboard/revision_history.h"
+#include "overtone/services/dashboard/revision_archive.h"
 
 namespace overtone {
 

@@ -12,7 +12,8 @@ namespace {
 void Add(const v1::ComparisonReport& comparison, StatusReports::Totals& totals) {
   for (const v1::ConstraintCount& count : comparison.constraints()) {
     const bool known = v1::ConstraintKind_IsValid(count.kind());
-    totals.constraints[known ? count.kind() : v1::CONSTRAINT_KIND_UNSPECIFIED] += static_cast<uint64_t>(count.added());
+    totals.constraints[known ? count.kind() : v1::CONSTRAINT_KIND_UNSPECIFIED] +=
+        static_cast<uint64_t>(count.added());
   }
 }
 

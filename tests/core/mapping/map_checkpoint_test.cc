@@ -127,8 +127,8 @@ TEST_P(MapCheckpointTest, TheRestoredMapIsTheSameAndGoesOnTheSame) {
 
   Feed(lasting, entries_, stop, entries_.size());
   Feed(restored, entries_, stop, entries_.size());
-  // Not to the last bit: the lasting map keeps stretches of odometry as they were relaxed, the other
-  // has relaxed them anew.
+  // Not to the last bit: the lasting map keeps stretches of odometry as they were relaxed, the
+  // other has relaxed them anew.
   ExpectSame(*lasting.Optimise(), *restored.Optimise(), 1e-6);
   EXPECT_EQ(lasting.history().records().back().accepted,
             restored.history().records().back().accepted);

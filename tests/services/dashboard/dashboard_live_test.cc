@@ -11,7 +11,6 @@ namespace overtone {
 namespace {
 
 using nlohmann::json;
-using testing::CertificateAndKey;
 using testing::Dashboard;
 using ::testing::HasSubstr;
 using testing::MakeClosure;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/services/dashboard/revision_history.h"
+#include "overtone/services/dashboard/revision_archive.h"
 
 #include <algorithm>
 #include <utility>
@@ -27,7 +27,7 @@ std::string ThinnedFrame(const MapView& view, int64_t max_nodes) {
 
 }  // namespace
 
-void RevisionHistory::Add(const MapView& view) {
+void RevisionArchive::Add(const MapView& view) {
   const uint64_t epoch = view.summary.map_epoch();
   const uint64_t revision = view.summary.revision();
   if (revision == 0 || Frame(epoch, revision) != nullptr) return;
@@ -38,7 +38,7 @@ void RevisionHistory::Add(const MapView& view) {
   MakeRoom();
 }
 
-void RevisionHistory::MakeRoom() {
+void RevisionArchive::MakeRoom() {
   while (bytes_ > max_bytes_ && seen_.size() > 1) {
     std::vector<SeenRevision> kept;
     const size_t older_half = (seen_.size() + 1) / 2;
@@ -53,12 +53,12 @@ void RevisionHistory::MakeRoom() {
   }
 }
 
-std::vector<SeenRevision> RevisionHistory::List() const {
+std::vector<SeenRevision> RevisionArchive::List() const {
   absl::MutexLock lock(&mutex_);
   return seen_;
 }
 
-std::shared_ptr<const std::string> RevisionHistory::Frame(uint64_t map_epoch,
+std::shared_ptr<const std::string> RevisionArchive::Frame(uint64_t map_epoch,
                                                           uint64_t revision) const {
   absl::MutexLock lock(&mutex_);
   for (const SeenRevision& seen : seen_) {

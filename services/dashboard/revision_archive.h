@@ -2,8 +2,8 @@
 // The revisions that the dashboard saw, as frames of thinned positions (track_frame.h). Bounded in
 // bytes: when it is full, every second of the older half goes. So it always reaches back to the
 // first, the coarser the further.
-#ifndef OVERTONE_SERVICES_DASHBOARD_REVISION_HISTORY_H_
-#define OVERTONE_SERVICES_DASHBOARD_REVISION_HISTORY_H_
+#ifndef OVERTONE_SERVICES_DASHBOARD_REVISION_ARCHIVE_H_
+#define OVERTONE_SERVICES_DASHBOARD_REVISION_ARCHIVE_H_
 
 #include <cstdint>
 #include <memory>
@@ -25,10 +25,10 @@ struct SeenRevision {
 };
 
 // Thread-safe.
-class RevisionHistory {
+class RevisionArchive {
  public:
   // `max_nodes` of all missions together in each frame.
-  RevisionHistory(size_t max_bytes, int64_t max_nodes)
+  RevisionArchive(size_t max_bytes, int64_t max_nodes)
       : max_bytes_(max_bytes), max_nodes_(max_nodes) {}
 
   // Of the revision in `view.summary`; one that is there already is not added again.
@@ -51,4 +51,4 @@ class RevisionHistory {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_SERVICES_DASHBOARD_REVISION_HISTORY_H_
+#endif  // OVERTONE_SERVICES_DASHBOARD_REVISION_ARCHIVE_H_

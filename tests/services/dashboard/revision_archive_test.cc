@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "overtone/services/dashboard/revision_history.h"
+#include "overtone/services/dashboard/revision_archive.h"
 
 #include <memory>
 
@@ -26,8 +26,8 @@ MapView View(uint64_t revision, int nodes, uint64_t epoch = 1) {
   return view;
 }
 
-TEST(RevisionHistory, KeepsEachRevisionOnceAndThinned) {
-  RevisionHistory history(1 << 20, 10);
+TEST(RevisionArchive, KeepsEachRevisionOnceAndThinned) {
+  RevisionArchive history(1 << 20, 10);
   history.Add(View(0, 100));  // nothing yet
   history.Add(View(1, 100));
   history.Add(View(1, 100));
@@ -40,10 +40,10 @@ TEST(RevisionHistory, KeepsEachRevisionOnceAndThinned) {
   EXPECT_EQ(history.Frame(1, 2), nullptr);
 }
 
-TEST(RevisionHistory, WhenFullItForgetsEverySecondOfTheOlderHalfAndNeitherTheFirstNorTheNewest) {
+TEST(RevisionArchive, WhenFullItForgetsEverySecondOfTheOlderHalfAndNeitherTheFirstNorTheNewest) {
   constexpr int kRevisions = 1000;
   const size_t bytes_each = 40 + 8 + 16 * 10;
-  RevisionHistory history(20 * bytes_each, 10);
+  RevisionArchive history(20 * bytes_each, 10);
   for (int i = 1; i <= kRevisions; ++i) {
     history.Add(View(i, 10));
     ASSERT_NE(history.Frame(1, i), nullptr);
