@@ -18,7 +18,11 @@ namespace overtone {
 
 GraphSynchronizer::GraphSynchronizer(MissionId mission, SynchronizationOptions options,
                                      HostEstimator* host)
-    : mission_(std::move(mission)), options_(std::move(options)), host_(host), gate_(options_) {}
+    : mission_(std::move(mission)),
+      options_(std::move(options)),
+      host_(host),
+      comparator_(options_),
+      gate_(options_) {}
 
 void GraphSynchronizer::AddKeyframes(int64_t first_index, const std::vector<Keyframe>& keyframes) {
   absl::MutexLock lock(&mutex_);
@@ -70,7 +74,7 @@ absl::StatusOr<SynchronizationReport> GraphSynchronizer::Synchronize(const MapGr
   const auto start = std::chrono::steady_clock::now();
   ASSIGN_OR_RETURN(onboard, CheckedTrajectory(std::move(onboard)));
   SynchronizationReport report;
-  ASSIGN_OR_RETURN(report.comparison, CompareTrajectories(graph, mission_, onboard, options_));
+  ASSIGN_OR_RETURN(report.comparison, comparator_.Compare(graph, mission_, onboard));
   report.rmse_before_m = report.predicted_rmse_m =
       AlignedRmse(report.comparison.onboard, report.comparison.server);
   const SelectionContext context = MakeContext(report, onboard);

@@ -22,6 +22,7 @@
 #include "overtone/core/synchronization/odometry_record.h"
 #include "overtone/core/synchronization/selection_context.h"
 #include "overtone/core/synchronization/synchronization_options.h"
+#include "overtone/core/synchronization/wavelet_discrepancy.h"
 
 namespace overtone {
 
@@ -39,7 +40,7 @@ class GraphSynchronizer {
   // compare -> select -> reconcile with what the host already has -> one batch -> predict and judge
   // it -> commit when the host applied it. A batch that is held back is judged anew with the next
   // comparison, one that did not do what was predicted is retracted. A batch that the host refuses
-  // is forgotten, so that the next comparison offers it anew. Errors of CompareTrajectories:
+  // is forgotten, so that the next comparison offers it anew. Errors of TrajectoryComparator:
   // NotFound, FailedPrecondition, InvalidArgument. Internal: the host's Trajectory() threw.
   absl::StatusOr<SynchronizationReport> Synchronize(const MapGraph& graph);
 
@@ -58,6 +59,7 @@ class GraphSynchronizer {
   const MissionId mission_;
   const SynchronizationOptions options_;
   HostEstimator* const host_;
+  TrajectoryComparator comparator_;
   ConstraintHistory history_;
   CorrectionGate gate_;
   const OdometryRecord nothing_recorded_;

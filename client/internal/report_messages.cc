@@ -147,6 +147,9 @@ v1::ComparisonReport ToProto(const SynchronizationReport& report, const ReportDe
   message.set_updated(static_cast<int32_t>(report.batch.update.size()));
   message.set_retracted(static_cast<int32_t>(report.batch.retract.size()));
   message.set_applied(!report.batch.empty() && report.host_status.ok());
+  message.set_rmse_before_m(Tellable(report.rmse_before_m));
+  message.set_predicted_rmse_m(Tellable(report.predicted_rmse_m));
+  message.set_held_back(report.held_back);
   return message;
 }
 

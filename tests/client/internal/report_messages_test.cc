@@ -106,6 +106,17 @@ TEST(ReportMessages, WhatTheHostDidNotApplyIsNotApplied) {
   EXPECT_FALSE(ToProto(report, ReportDetail(), absl::Now()).applied());
 }
 
+TEST(ReportMessages, WhatWasPredictedAndWhyNothingWasAskedIsTold) {
+  SynchronizationReport report;
+  report.rmse_before_m = 0.25;
+  report.predicted_rmse_m = 0.5;
+  report.held_back = "it would do harm";
+  const v1::ComparisonReport message = ToProto(report, ReportDetail(), absl::Now());
+  EXPECT_EQ(message.rmse_before_m(), 0.25);
+  EXPECT_EQ(message.predicted_rmse_m(), 0.5);
+  EXPECT_EQ(message.held_back(), "it would do harm");
+}
+
 TEST(ReportMessages, WhatIsNoNumberIsStillTakenByTheServer) {
   SynchronizationReport report = ReportOf(4);
   report.comparison.discrepancy.setConstant(kNan);
