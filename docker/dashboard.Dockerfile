@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 # The dashboard: a small service that is itself only a client of the public API, and its page.
 #   DOCKER_BUILDKIT=1 docker build -f docker/dashboard.Dockerfile -t overtone-dashboard .
+# Where npm's registry is reached through a proxy with a CA of its own:  --secret id=ca,src=/etc/ssl/certs/ca-certificates.crt
 FROM debian:bookworm-slim AS build
 COPY docker/packages.txt docker/install_packages.sh /packages/
 RUN /packages/install_packages.sh client server web
 RUN --mount=type=bind,target=/src,rw --mount=type=cache,id=overtone-ccache,target=/root/.cache/ccache \
-    --mount=type=cache,id=overtone-npm,target=/root/.npm \
-    cd /src && docker/build.sh release overtone_dashboard overtone_dashboard_page \
+    --mount=type=cache,id=overtone-npm,target=/root/.npm --mount=type=secret,id=ca \
+    cd /src && NODE_EXTRA_CA_CERTS=/run/secrets/ca docker/build.sh release overtone_dashboard overtone_dashboard_page \
     && PACKAGE_JSON=services/dashboard/web/package.json docker/runtime_root.sh /runtime overtone-dashboard "client server" build/release/services/dashboard/overtone-dashboard \
     && mkdir -p /runtime/usr/share/overtone && cp -r build/release/services/dashboard/web/dist /runtime/usr/share/overtone/dashboard
 
