@@ -110,7 +110,7 @@ std::string EdgesSection(const std::vector<CurveRow>& rows) {
 }
 
 std::string PredictionSection(const std::vector<CurveRow>& rows) {
-  std::vector<Cells> table = {{"robot", "median |actual / predicted - 1|", "largest"}};
+  std::vector<Cells> table = {{"robot", "median error", "largest error"}};
   for (const Robot& robot : RobotsOf(rows)) {
     std::vector<double> errors;
     for (const CurveRow& row : rows) {
@@ -125,7 +125,8 @@ std::string PredictionSection(const std::vector<CurveRow>& rows) {
                      absl::StrFormat("%.1f %%", 100 * errors.back())});
   }
   return absl::StrCat(
-      "\n## Prediction against what came of it\n\nRMSE of `knots` to the server's estimate, over "
+      "\n## Prediction against what came of it\n\nRMSE of `knots` to the server's estimate: by how "
+      "much it missed the prediction, over "
       "all budgets.\n\n",
       MarkdownTable(table));
 }
