@@ -98,7 +98,10 @@ TEST(GraphMonitor, FlagsTheFirstKeptNodeOfASubmapAndEveryDegenerateStretch) {
   MapSnapshot snapshot;
   snapshot.missions = {LineMission("a", 12, 0.25, 0)};
   snapshot.missions[0].submap_starts = {0, 5, 9};
-  snapshot.missions[0].keyframes[6].degenerate = true;
+  std::vector<Keyframe> keyframes(snapshot.missions[0].keyframes.begin(),
+                                  snapshot.missions[0].keyframes.end());
+  keyframes[6].degenerate = true;
+  snapshot.missions[0].keyframes = std::move(keyframes);
   GraphMonitorOptions options;
   options.min_distance_m = 1;
   const MapMission mission = Build(snapshot, options).missions[0];  // nodes 0, 4, 8, 11
