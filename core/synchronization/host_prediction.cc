@@ -79,9 +79,10 @@ absl::StatusOr<HostPrediction> PredictHost(const TrajectoryComparison& compariso
   const std::vector<NodePose> nodes = NodesOf(comparison, in_force);
   std::vector<Rigid3d> start;
   for (const NodePose& node : nodes) start.push_back(node.estimate_from_body);
+  // Apart, so that the record's chain has gone before the smoother needs its memory.
+  const std::vector<OdometryStep> steps = StepsOf(record.Along(nodes, model));
   ASSIGN_OR_RETURN(const ChainSmootherResult smoothed,
-                   SmoothChain(start, StepsOf(record.Along(nodes, model)),
-                               ChordsOf(nodes, in_force), ChainSmootherOptions()));
+                   SmoothChain(start, steps, ChordsOf(nodes, in_force), ChainSmootherOptions()));
   HostPrediction prediction;
   for (int i = 0, row = 0; i < nodes.size() && row < comparison.keyframe_index.size(); ++i) {
     if (nodes[i].index != comparison.keyframe_index[row]) continue;
