@@ -28,11 +28,22 @@ struct Linearisation {
   double chi_square = 0;
 };
 
+// Jr(xi), Barfoot 7.76. Most errors are tiny: their series ends after the cube (to 1e-9).
+Matrix6d RightJacobian(const Vector6d& xi) {
+  constexpr double kTiny = 0.02;
+  if (!(xi.norm() < kTiny)) return InverseRightJacobian(xi).inverse();
+  Matrix6d ad = Matrix6d::Zero();
+  ad.topLeftCorner<3, 3>() = ad.bottomRightCorner<3, 3>() = Skew(xi.tail<3>());
+  ad.topRightCorner<3, 3>() = Skew(xi.head<3>());
+  const Matrix6d square = ad * ad;
+  return Matrix6d::Identity() - ad / 2 + square / 6 - square * ad / 24;
+}
+
 MotionError ErrorOf(const ChainMotion& motion, const Rigid3d& previous, const Rigid3d& pose,
                     const Rigid3d& last_from_world) {
   MotionError result;
   result.error = Log(motion.previous_from_this.Inverse() * (previous.Inverse() * pose));
-  result.right_jacobian = InverseRightJacobian(result.error).inverse();
+  result.right_jacobian = RightJacobian(result.error);
   result.to_last = Adjoint(last_from_world * pose) * result.right_jacobian;
   result.covariance = motion.covariance.Unpacked();
   return result;
@@ -72,7 +83,7 @@ CompoundMotion EdgeOf(const Linearisation& at, const Rigid3d& first_from_last) {
   edge.chi_square = at.chi_square;
   edge.first_from_last = first_from_last * Exp(-at.sum);
   // The residual of an edge is Log(Exp(s) Exp(d)): so that its gradient is that of s + d, Jr(s).
-  const Matrix6d jacobian = InverseRightJacobian(at.sum).inverse();
+  const Matrix6d jacobian = RightJacobian(at.sum);
   const Matrix6d information =
       jacobian.transpose() * at.covariance.llt().solve(Matrix6d::Identity()) * jacobian;
   edge.information = 0.5 * (information + information.transpose());
@@ -86,10 +97,12 @@ CompoundMotion RelaxChain(const ChainMotions& motions, int first, int last,
   const auto begin = poses.begin() + first, end = poses.begin() + last + 1;
   Linearisation at = Linearise(motions, first, last, poses);
   double share = 1;
+  bool converged = false;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     const Vector6d pull = at.covariance.llt().solve(at.sum);
     const double best = at.sum.dot(pull);
-    if (!(at.chi_square - best > kTolerance * (1 + at.chi_square))) break;
+    converged = !(at.chi_square - best > kTolerance * (1 + at.chi_square));
+    if (converged) break;
     const std::vector<Rigid3d> before(begin, end);
     Step(at, pull, share, first, last, poses);
     Linearisation next = Linearise(motions, first, last, poses);
@@ -101,7 +114,9 @@ CompoundMotion RelaxChain(const ChainMotions& motions, int first, int last,
       share /= 2;
     }
   }
-  return EdgeOf(at, poses[first].Inverse() * poses[last]);
+  CompoundMotion edge = EdgeOf(at, poses[first].Inverse() * poses[last]);
+  edge.converged = converged;
+  return edge;
 }
 
 }  // namespace overtone

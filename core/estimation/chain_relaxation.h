@@ -34,6 +34,7 @@ struct CompoundMotion {
   Rigid3d first_from_last;
   Matrix6d information = Matrix6d::Identity();  // right tangent of first_from_last
   double chi_square = 0;  // of the motions, at the poses: what the edge says at these ends
+  bool converged = false;
 };
 
 // Moves the poses between `first` and `last` (< poses.size(), above first) to where the motions

@@ -12,12 +12,38 @@ namespace {
 // carried along as it is.
 constexpr double kStillChiSquare = 1e-7;
 
+// A stretch whose best path costs more is looked at again from odometry's.
+constexpr double kTornChiSquare = 100;
+
+void FollowOdometry(int first, int last, const ChainMotions& motions, std::vector<Rigid3d>& poses) {
+  for (int k = first + 1; k <= last; ++k) {
+    poses[k] = poses[k - 1] * motions[k].previous_from_this;
+  }
+}
+
+// Where what tore the poses apart is gone (a wrong closure, vetoed), the way back from there may
+// lead nowhere: then from odometry's own path. And where the ends lie too far apart even for that,
+// the edge is odometry's, undisturbed, which brings them together.
 MissionChain::Stretch Relaxed(int first, int last, const ChainMotions& motions,
                               std::vector<Rigid3d>& poses) {
   MissionChain::Stretch stretch;
   stretch.first = first;
   stretch.last = last;
   stretch.edge = RelaxChain(motions, first, last, poses);
+  if (!stretch.edge.converged || stretch.edge.chi_square > kTornChiSquare) {
+    const std::vector<Rigid3d> bent(poses.begin() + first, poses.begin() + last + 1);
+    FollowOdometry(first, last, motions, poses);
+    const MissionChain::Stretch undisturbed = {first, last, poses[first].Inverse() * poses[last],
+                                               RelaxChain(motions, first, last, poses)};
+    poses[last] = bent.back();
+    const CompoundMotion again = RelaxChain(motions, first, last, poses);
+    if (!again.converged && !stretch.edge.converged) return undisturbed;
+    if (!again.converged || again.chi_square > stretch.edge.chi_square) {
+      std::copy(bent.begin(), bent.end(), poses.begin() + first);
+    } else {
+      stretch.edge = again;
+    }
+  }
   stretch.first_from_last = poses[first].Inverse() * poses[last];
   return stretch;
 }
