@@ -36,7 +36,7 @@ bool GraphSynchronizer::RecordExplainsHost(const SynchronizationReport& report) 
   const auto expected =
       PredictHost(report.comparison, odometry_, options_.odometry, history_.Active());
   if (!expected.ok()) return false;
-  return AlignedRmse(expected->rows, report.comparison.onboard) <=
+  return AlignedRmse(expected->poses, expected->Of(report.comparison.onboard)) <=
          std::max(options_.selection.tolerance_m, kUnexplainedShare * report.rmse_before_m);
 }
 

@@ -73,13 +73,15 @@ std::string CorrectionGate::Judge(const TrajectoryComparison& comparison,
     return absl::StrCat("an earlier batch did not do what was predicted; ", comparisons_to_wait_--,
                         " comparisons to wait");
   }
-  const double before_m = AlignedRmse(comparison.onboard, comparison.server);
+  const double before_m =
+      AlignedRmse(prediction.Of(comparison.onboard), prediction.Of(comparison.server));
   const double needed_m = std::min(options_.gate.min_gain_m, kSmallestShare * before_m);
   if (!(before_m - prediction.rmse_m > needed_m)) {
     return absl::StrFormat("no gain: predicted %.3f m from the server's estimate, now %.3f m",
                            prediction.rmse_m, before_m);
   }
-  const auto [move_m, turn_rad] = LargestCorrection(comparison.onboard, prediction.rows);
+  const auto [move_m, turn_rad] =
+      LargestCorrection(prediction.Of(comparison.onboard), prediction.poses);
   if (move_m > options_.gate.max_correction_m || turn_rad > options_.gate.max_correction_rad) {
     return absl::StrFormat("a correction of %.2f m, %.3f rad, at most %.2f m, %.3f rad", move_m,
                            turn_rad, options_.gate.max_correction_m,

@@ -14,6 +14,9 @@
 namespace overtone {
 namespace {
 
+// More make a prediction dearer and no better.
+constexpr int kMaxRows = 2000;
+
 bool IndexBefore(const NodePose& node, int64_t index) { return node.index < index; }
 
 // -1: there is none.
@@ -23,18 +26,37 @@ int PositionOf(const std::vector<NodePose>& nodes, int64_t index) {
   return static_cast<int>(node - nodes.begin());
 }
 
-// The rows, and the keyframes between them at which constraints end.
-std::vector<NodePose> NodesOf(const TrajectoryComparison& comparison,
-                              const std::vector<Constraint>& in_force) {
-  std::vector<NodePose> nodes = RowsOf(comparison);
+// A node of the host's, and the comparison's row that it is; -1: between two of them.
+struct HostNodes {
+  std::vector<NodePose> nodes;
+  std::vector<int> rows;
+};
+
+// Rows, and the keyframes between them at which constraints end.
+HostNodes NodesOf(const TrajectoryComparison& comparison, const std::vector<Constraint>& in_force) {
   std::set<int64_t> ends;
   for (const Constraint& constraint : in_force) ends.insert({constraint.from, constraint.to});
-  for (const NodePose& node : comparison.unmatched) {
-    if (ends.count(node.index) > 0) nodes.push_back(node);
+  HostNodes result;
+  const auto add = [&result](const NodePose& node, int row) {
+    result.nodes.push_back(node);
+    result.rows.push_back(row);
+  };
+  const int size = static_cast<int>(comparison.onboard.size());
+  const int stride = (size + kMaxRows - 1) / kMaxRows;
+  auto between = comparison.unmatched.begin();
+  for (int i = 0; i < size; ++i) {
+    const int64_t index = comparison.keyframe_index[i];
+    for (; between != comparison.unmatched.end() && between->index < index; ++between) {
+      if (ends.count(between->index) > 0) add(*between, -1);
+    }
+    if (i % stride == 0 || i == size - 1 || ends.count(index) > 0) {
+      add({index, Timestamp(), comparison.onboard[i]}, i);
+    }
   }
-  std::sort(nodes.begin(), nodes.end(),
-            [](const NodePose& a, const NodePose& b) { return a.index < b.index; });
-  return nodes;
+  for (; between != comparison.unmatched.end(); ++between) {
+    if (ends.count(between->index) > 0) add(*between, -1);
+  }
+  return result;
 }
 
 std::vector<OdometryStep> StepsOf(const OdometryChain& chain) {
@@ -76,7 +98,7 @@ std::vector<NodePose> RowsOf(const TrajectoryComparison& comparison) {
 absl::StatusOr<HostPrediction> PredictHost(const TrajectoryComparison& comparison,
                                            const OdometryRecord& record, const OdometryModel& model,
                                            const std::vector<Constraint>& in_force) {
-  const std::vector<NodePose> nodes = NodesOf(comparison, in_force);
+  const auto [nodes, rows] = NodesOf(comparison, in_force);
   std::vector<Rigid3d> start;
   for (const NodePose& node : nodes) start.push_back(node.estimate_from_body);
   // Apart, so that the record's chain has gone before the smoother needs its memory.
@@ -84,13 +106,20 @@ absl::StatusOr<HostPrediction> PredictHost(const TrajectoryComparison& compariso
   ASSIGN_OR_RETURN(const ChainSmootherResult smoothed,
                    SmoothChain(start, steps, ChordsOf(nodes, in_force), ChainSmootherOptions()));
   HostPrediction prediction;
-  for (int i = 0, row = 0; i < nodes.size() && row < comparison.keyframe_index.size(); ++i) {
-    if (nodes[i].index != comparison.keyframe_index[row]) continue;
-    prediction.rows.push_back(smoothed.poses[i]);
-    ++row;
+  for (int i = 0; i < nodes.size(); ++i) {
+    if (rows[i] < 0) continue;
+    prediction.rows.push_back(rows[i]);
+    prediction.poses.push_back(smoothed.poses[i]);
   }
-  prediction.rmse_m = AlignedRmse(prediction.rows, comparison.server);
+  prediction.rmse_m = AlignedRmse(prediction.poses, prediction.Of(comparison.server));
   return prediction;
+}
+
+std::vector<Rigid3d> HostPrediction::Of(const std::vector<Rigid3d>& values) const {
+  std::vector<Rigid3d> result;
+  result.reserve(rows.size());
+  for (const int row : rows) result.push_back(values[row]);
+  return result;
 }
 
 }  // namespace overtone

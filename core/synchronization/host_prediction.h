@@ -14,8 +14,14 @@
 namespace overtone {
 
 struct HostPrediction {
-  std::vector<Rigid3d> rows;  // of the comparison: estimate_from_body, the first where it is now
-  double rmse_m = 0;          // to the server's estimate, aligned_rmse.h
+  // Of the comparison, increasing: all of them up to 2,000, else evenly many and those at which
+  // constraints end.
+  std::vector<int> rows;
+  std::vector<Rigid3d> poses;  // of these: estimate_from_body, the first where it is now
+  double rmse_m = 0;           // to the server's estimate, aligned_rmse.h
+
+  // What `values`, one for each row of the comparison, has for these.
+  std::vector<Rigid3d> Of(const std::vector<Rigid3d>& values) const;
 };
 
 // `in_force`: all constraints that the host will hold. Those with an end that the host does not

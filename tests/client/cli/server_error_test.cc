@@ -21,6 +21,7 @@ namespace overtone {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using testing::Outcome;
@@ -66,7 +67,8 @@ TEST(PlaintextServer, SaysWhatIsWrongWithTheConnection) {
   EXPECT_THAT(RunTyped({"health", "--server", address}).out, "SERVING\n");
   const Outcome empty = RunTyped({"robots", "--server", address, "--map", "town"});
   EXPECT_EQ(empty.exit_code, 2);
-  EXPECT_THAT(empty.err, HasSubstr("there is no 'town'; it has no map yet"));
+  EXPECT_THAT(empty.err,
+              ContainsRegex("there is no 'town' \\(request [0-9a-f]+\\); it has no map yet"));
 
   const TlsFolder folder("maps: {}\n");
   folder.folder.Write("olga.crt", folder.ca.Operator("olga").certificate_pem);

@@ -90,7 +90,7 @@ TEST(SelectConstraints, LargeConstraintsReachSubmapsHundredsOfMetresAwayByDefaul
   TrajectoryComparison comparison = StraightRun(12);  // pivots 2, 6, 10: 400 m apart
   for (Rigid3d& pose : comparison.server) pose.translation *= 100;
   comparison.discrepancy(5, static_cast<int>(Band::kLarge)) = 1;  // own pivot 6
-  EXPECT_THAT(Ids(SelectConstraints(comparison, SynchronizationOptions())),
+  EXPECT_THAT(Ids(SelectConstraints(comparison, Options(SelectionStrategy::kTopN, 15))),
               ElementsAre("large:50-20", "large:50-100"));
 }
 

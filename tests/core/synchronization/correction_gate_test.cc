@@ -102,7 +102,7 @@ TEST(CorrectionGate, IsContentWhenTheHostMovedAsPredicted) {
   CorrectionGate gate(Options());
   Case c = MakeCase(MakeDriftingMission(150, 4), 1);
   gate.Applied(c.comparison, c.batch, c.prediction);
-  c.comparison.onboard = c.prediction.rows;
+  c.comparison.onboard = c.prediction.poses;
   EXPECT_THAT(gate.Refuted(c.comparison), IsEmpty());
   EXPECT_THAT(gate.Refuted(c.comparison), IsEmpty());
 }
