@@ -51,6 +51,8 @@ class OperatorVetoTest : public testing::ServerTest,
     options.mission = kAnna;
     options.min_time_between_comparisons = absl::InfiniteDuration();
     options.synchronization.selection.strategy = GetParam();
+    // It would hold the bend back; here the robot is to be bent.
+    options.synchronization.gate.enabled = false;
     auto client = MappingClient::Create(options, &robot_);
     ASSERT_TRUE(client.ok()) << client.status();
     client_ = *std::move(client);
