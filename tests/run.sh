@@ -6,6 +6,8 @@
 #   tests/run.sh -LE data        what follows goes to ctest; without the sanitizers
 set -eu
 cd "$(dirname "$0")/.."
+GATE_STARTED=$(date +%s)
+export GATE_STARTED
 docker/install_packages.sh client server test lint sanitize
 # Where a Docker engine answers, the images are built and used, too.
 ! timeout 20 docker info >/dev/null 2>&1 || docker/install_packages.sh container
