@@ -48,8 +48,8 @@ struct MappingClientOptions {
   // Ask for the graph of every mission, not only of our own.
   bool whole_map = false;
 
-  // Compare and correct whenever a new revision arrives, but not more often than this. Infinite:
-  // only when the host calls Synchronize().
+  // Compare and correct when a new revision arrives, at most this often, and so seldom that it
+  // takes no more than a tenth of a core. Infinite: only when the host calls Synchronize().
   absl::Duration min_time_between_comparisons = absl::Seconds(1);
 
   absl::Duration initial_backoff = absl::Milliseconds(100);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "overtone/client/internal/comparison_pace.h"
 #include "overtone/client/internal/exception_guard.h"
 
 namespace overtone {
@@ -116,7 +117,7 @@ bool HostThread::AwaitWork() {
   }
   if (last_comparison_) {
     const absl::Duration since = absl::FromChrono(Clock::now() - *last_comparison_);
-    mutex_.AwaitWithTimeout(absl::Condition(&has_work), min_time_between_comparisons_ - since);
+    mutex_.AwaitWithTimeout(absl::Condition(&has_work), pause_after_comparison_ - since);
   }
   mutex_.Await(absl::Condition(&has_work_or_graph));
   return !stopping_;
@@ -152,7 +153,7 @@ void HostThread::AnswerRequests() {
 void HostThread::CompareIfDue() {
   if (min_time_between_comparisons_ == absl::InfiniteDuration()) return;
   if (last_comparison_ &&
-      absl::FromChrono(Clock::now() - *last_comparison_) < min_time_between_comparisons_) {
+      absl::FromChrono(Clock::now() - *last_comparison_) < pause_after_comparison_) {
     return;
   }
   {
@@ -176,9 +177,12 @@ absl::StatusOr<SynchronizationReport> HostThread::Compare() {
   }
   if (graph == nullptr)
     return absl::FailedPreconditionError("no graph has come from the server yet");
+  const Clock::time_point begin = Clock::now();
   absl::StatusOr<SynchronizationReport> report =
       GuardExceptions("comparison", [&] { return synchronizer_.Synchronize(*graph); });
   last_comparison_ = Clock::now();
+  pause_after_comparison_ = PauseAfterComparison(absl::FromChrono(*last_comparison_ - begin),
+                                                 min_time_between_comparisons_);
   if (!report.ok()) return report;
   {
     absl::MutexLock lock(&mutex_);

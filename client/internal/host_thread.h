@@ -77,8 +77,10 @@ class HostThread {
   HostEstimator* const host_;
   const Logger logger_;
   const ComparisonHandler on_comparison_;
-  GraphSynchronizer synchronizer_;                    // the thread's own
-  std::optional<Clock::time_point> last_comparison_;  // the thread's own
+  GraphSynchronizer synchronizer_;  // the thread's own
+  // The thread's own.
+  std::optional<Clock::time_point> last_comparison_;
+  absl::Duration pause_after_comparison_;
 
   mutable absl::Mutex mutex_;
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
