@@ -5,7 +5,7 @@ import pathlib
 import re
 import subprocess
 
-Block = collections.namedtuple("Block", "heading language text line note")
+Block = collections.namedtuple("Block", "heading language text line")
 Link = collections.namedtuple("Link", "target line")
 
 
@@ -17,23 +17,19 @@ def documents(root):
 
 
 def fenced_blocks(path):
-    """Each with the heading above it, and as its note what an HTML comment right before it says after "test: "."""
-    blocks, heading, note, open_block = [], "", "", None
+    """Each with the heading above it."""
+    blocks, heading, open_block = [], "", None
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
         if open_block is not None:
             if line.strip() == "```":
                 blocks.append(Block(*open_block[:2], "\n".join(open_block[2]) + "\n", *open_block[3:]))
-                open_block, note = None, ""
+                open_block = None
             else:
                 open_block[2].append(line)
         elif line.lstrip().startswith("```"):
-            open_block = [heading, line.strip()[3:], [], number + 1, note]
+            open_block = [heading, line.strip()[3:], [], number + 1]
         elif line.startswith("#"):
-            heading, note = line.lstrip("#").strip(), ""
-        elif line.startswith("<!-- test: "):
-            note = line[len("<!-- test: "):].removesuffix("-->").strip()
-        elif line.strip():
-            note = ""
+            heading = line.lstrip("#").strip()
     assert open_block is None, f"{path}: a block that begins before line {open_block[3]} has no end"
     return blocks
 
