@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "Eigen/Core"
+#include "overtone/proto/conversion/proto_time.h"
 
 namespace overtone {
 namespace {
@@ -137,9 +138,7 @@ v1::ComparisonReport ToProto(const SynchronizationReport& report, const ReportDe
   v1::ComparisonReport message;
   message.set_map_epoch(report.comparison.map_epoch);
   message.set_revision(report.comparison.revision);
-  message.mutable_time()->set_seconds(absl::ToUnixSeconds(now));
-  message.mutable_time()->set_nanos(static_cast<int32_t>(
-      absl::ToInt64Nanoseconds(now - absl::FromUnixSeconds(message.time().seconds()))));
+  *message.mutable_time() = ToProto(now);
   message.set_nodes(static_cast<int32_t>(report.comparison.keyframe_index.size()));
   message.set_duration_s(Tellable(report.compare_ms / 1000));
   AddDiscrepancy(report.comparison, detail.max_nodes, message);

@@ -13,9 +13,9 @@
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/id_conversion.h"
+#include "overtone/proto/conversion/proto_time.h"
 #include "overtone/services/mapping_server/closure_messages.h"
 #include "overtone/services/mapping_server/pagination.h"
-#include "overtone/services/mapping_server/proto_time.h"
 
 namespace overtone {
 namespace {

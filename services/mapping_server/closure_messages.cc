@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "overtone/services/mapping_server/closure_messages.h"
 
+#include "overtone/proto/conversion/proto_time.h"
 #include "overtone/proto/conversion/submap_conversion.h"
-#include "overtone/services/mapping_server/proto_time.h"
 
 namespace overtone {
 

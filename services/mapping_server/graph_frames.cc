@@ -11,8 +11,8 @@
 #include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/proto/conversion/proto_time.h"
 #include "overtone/proto/conversion/published_graph.h"
-#include "overtone/services/mapping_server/proto_time.h"
 #include "overtone/v1/mapping_service.pb.h"
 
 namespace overtone {

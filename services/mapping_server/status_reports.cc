@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "overtone/proto/conversion/id_conversion.h"
-#include "overtone/services/mapping_server/proto_time.h"
+#include "overtone/proto/conversion/proto_time.h"
 
 namespace overtone {
 namespace {

@@ -10,9 +10,9 @@
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/id_conversion.h"
 #include "overtone/proto/conversion/limits.h"
+#include "overtone/proto/conversion/proto_time.h"
 #include "overtone/proto/conversion/sha256.h"
 #include "overtone/proto/conversion/submap_conversion.h"
-#include "overtone/services/mapping_server/proto_time.h"
 #include "overtone/services/mapping_server/submap_digest.h"
 
 namespace overtone {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#ifndef OVERTONE_SERVICES_MAPPING_SERVER_PROTO_TIME_H_
-#define OVERTONE_SERVICES_MAPPING_SERVER_PROTO_TIME_H_
+#ifndef OVERTONE_PROTO_CONVERSION_PROTO_TIME_H_
+#define OVERTONE_PROTO_CONVERSION_PROTO_TIME_H_
 
 #include "absl/time/time.h"
 #include "google/protobuf/timestamp.pb.h"
 
 namespace overtone {
 
-// Server clock, to the nanosecond. `time` is finite.
+// To the nanosecond. `time` is finite.
 inline google::protobuf::Timestamp ToProto(absl::Time time) {
   google::protobuf::Timestamp message;
   message.set_seconds(absl::ToUnixSeconds(time));
@@ -18,4 +18,4 @@ inline google::protobuf::Timestamp ToProto(absl::Time time) {
 
 }  // namespace overtone
 
-#endif  // OVERTONE_SERVICES_MAPPING_SERVER_PROTO_TIME_H_
+#endif  // OVERTONE_PROTO_CONVERSION_PROTO_TIME_H_
