@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// grpc.health.v1.Health/Check. Debian ships no stubs of it.
+// grpc.health.v1.Health/Check.
 #ifndef OVERTONE_CLIENT_CLI_HEALTH_CHECK_H_
 #define OVERTONE_CLIENT_CLI_HEALTH_CHECK_H_
 
