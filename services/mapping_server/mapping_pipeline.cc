@@ -9,6 +9,7 @@
 
 #include "absl/time/clock.h"
 #include "overtone/proto/conversion/status_conversion.h"
+#include "overtone/services/mapping_server/background_thread.h"
 #include "overtone/services/mapping_server/log_fields.h"
 #include "overtone/services/mapping_server/log_limit.h"
 
@@ -153,7 +154,10 @@ void MappingPipeline::Start(const absl::optional<StoredCheckpoint>& checkpoint) 
   absl::MutexLock lock(&mutex_);
   in_hand_ = map_.dirty() ? 1 : 0;  // what the checkpoint does not take into account
   started_ = true;
-  thread_ = std::thread([this] { Run(); });
+  thread_ = std::thread([this] {
+    RunInBackground();
+    Run();
+  });
 }
 
 // Publishes the map as it was. Readers may know of revisions after the last that was stored: then

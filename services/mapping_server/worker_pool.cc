@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include "overtone/services/mapping_server/background_thread.h"
 #include "spdlog/spdlog.h"
 
 namespace overtone {
@@ -31,6 +32,7 @@ int64_t WorkerPool::backlog() const {
 }
 
 void WorkerPool::Run() {
+  RunInBackground();
   const auto something_to_do = [this]() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return stopping_ || !tasks_.empty();
   };

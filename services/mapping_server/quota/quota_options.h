@@ -24,8 +24,8 @@ struct QuotaOptions {
   // The same in bytes: what a good radio link brings.
   double max_bytes_per_s = 8 << 20;
   double bytes_burst = 8 << 20;
-  // Calls that are no streams: GetGraph, GetUploadState, AddLoopClosures, GetServerInfo. Beyond it:
-  // RESOURCE_EXHAUSTED with the delay after which one goes through.
+  // Calls: GetGraph, GetUploadState, AddLoopClosures, GetServerInfo; opening a stream is one.
+  // Beyond it: RESOURCE_EXHAUSTED with the delay after which one goes through.
   double max_calls_per_s = 50;
   double calls_burst = 200;
 

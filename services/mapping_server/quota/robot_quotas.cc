@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "overtone/core/common/status_macros.h"
 #include "overtone/proto/conversion/status_conversion.h"
 
 namespace overtone {
@@ -44,6 +45,10 @@ void RobotQuotas::Sweep() {
 
 absl::Status RobotQuotas::AdmitCall(const std::string& who) {
   absl::MutexLock lock(&mutex_);
+  return Admit(who);
+}
+
+absl::Status RobotQuotas::Admit(const std::string& who) {
   const absl::Duration wait = Find(who).calls.TryTake(1, now_());
   if (wait == absl::ZeroDuration()) return absl::OkStatus();
   ++refusals_.calls;
@@ -55,6 +60,7 @@ absl::Status RobotQuotas::AdmitCall(const std::string& who) {
 
 absl::StatusOr<std::shared_ptr<const std::string>> RobotQuotas::OpenStream(const std::string& who) {
   absl::MutexLock lock(&mutex_);
+  RETURN_IF_ERROR(Admit(who));
   Robot& robot = Find(who);
   if (options_.max_streams > 0 && robot.streams >= options_.max_streams) {
     ++refusals_.streams;

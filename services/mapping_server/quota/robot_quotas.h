@@ -35,7 +35,8 @@ class RobotQuotas {
   // One unary call.
   absl::Status AdmitCall(const std::string& who);
 
-  // One more stream, as long as the result lives; it holds `who` and must not outlive this.
+  // One more stream, as long as the result lives; opening it is a call. It holds `who` and must not
+  // outlive this.
   absl::StatusOr<std::shared_ptr<const std::string>> OpenStream(const std::string& who);
   // A message was read on an open stream of theirs. The result: how long to read no other.
   absl::Duration Charge(const std::string& who, int64_t bytes);
@@ -65,6 +66,7 @@ class RobotQuotas {
     int streams = 0;
   };
 
+  absl::Status Admit(const std::string& who) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void CloseStream(const std::string& who);
   Robot& Find(const std::string& who) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // Forgets those that are as new. Now and then, so that invented names take no memory for long.

@@ -12,27 +12,41 @@ void OperationQueue::Push(std::unique_ptr<StoreOperation> operation) {
   ++unfinished_;
 }
 
-std::map<std::string, std::deque<std::unique_ptr<StoreOperation>>>::iterator
-OperationQueue::NextLane() {
-  const auto next = lanes_.upper_bound(last_served_);
-  return next == lanes_.end() ? lanes_.begin() : next;
+bool OperationQueue::Wait() const {
+  absl::MutexLock lock(&mutex_, absl::Condition(this, &OperationQueue::HasNews));
+  return !lanes_.empty();
 }
 
-OperationBatch OperationQueue::Take(int64_t max_bytes) {
-  absl::MutexLock lock(&mutex_, absl::Condition(this, &OperationQueue::HasNews));
-  OperationBatch batch;
-  for (int64_t bytes = 0; bytes < max_bytes && !lanes_.empty();) {
-    const auto lane = NextLane();
-    const bool alone = lane->second.front()->alone();
-    if (alone && !batch.empty()) break;
-    batch.push_back(std::move(lane->second.front()));
-    lane->second.pop_front();
-    bytes += batch.back()->bytes();
-    last_served_ = lane->first;
-    if (lane->second.empty()) lanes_.erase(lane);
-    if (alone) break;
+OperationQueue::Lanes::iterator OperationQueue::NextLane(const OperationBatch& batch,
+                                                         const BatchLimits& limits) {
+  auto lane = lanes_.upper_bound(last_served_);
+  for (size_t i = 0; i < lanes_.size(); ++i, ++lane) {
+    if (lane == lanes_.end()) lane = lanes_.begin();
+    const auto taken = batch.by_lane.find(lane->first);
+    if (taken == batch.by_lane.end() || batch.by_lane.size() == 1 ||
+        taken->second < limits.lane_beside_others) {
+      return lane;
+    }
   }
-  return batch;
+  return lanes_.end();
+}
+
+StoreOperation* OperationQueue::Extend(OperationBatch& batch, const BatchLimits& limits) {
+  const bool begun = !batch.operations.empty();
+  if (begun && (batch.bytes >= limits.bytes || batch.operations.back()->alone() ||
+                batch.operations.size() >= static_cast<size_t>(limits.operations))) {
+    return nullptr;
+  }
+  absl::MutexLock lock(&mutex_);
+  const auto lane = NextLane(batch, limits);
+  if (lane == lanes_.end() || (begun && lane->second.front()->alone())) return nullptr;
+  batch.operations.push_back(std::move(lane->second.front()));
+  batch.bytes += batch.operations.back()->bytes();
+  ++batch.by_lane[lane->first];
+  last_served_ = lane->first;
+  lane->second.pop_front();
+  if (lane->second.empty()) lanes_.erase(lane);
+  return batch.operations.back().get();
 }
 
 void OperationQueue::Finished(size_t count) {

@@ -29,8 +29,9 @@ StoreWriter::~StoreWriter() {
     return;
   }
   const absl::Status closed = absl::UnavailableError("the store is closed");
-  for (OperationBatch batch = queue_.Take(1); !batch.empty(); batch = queue_.Take(1)) {
-    for (const auto& operation : batch) operation->Finish(closed);
+  while (queue_.Wait()) {
+    OperationBatch batch;
+    queue_.Extend(batch, options_.batch)->Finish(closed);
   }
 }
 
@@ -83,19 +84,19 @@ absl::Status StoreWriter::Reload() {
 void StoreWriter::Run() {
   const LogFields about = LogFieldsOf(options_.map);
   const LogScope scope(&about);
-  for (OperationBatch batch = queue_.Take(options_.max_batch_bytes); !batch.empty();
-       batch = queue_.Take(options_.max_batch_bytes)) {
-    const size_t count = batch.size();
-    Process(std::move(batch));
-    queue_.Finished(count);
+  while (queue_.Wait()) {
+    queue_.Finished(Process());
     CheckpointIfDue();
   }
 }
 
-void StoreWriter::Process(OperationBatch batch) {
+size_t StoreWriter::Process() {
   const auto begin = std::chrono::steady_clock::now();
+  OperationBatch batch;
+  queue_.Extend(batch, options_.batch);  // whatever happens, the queue moves on
   absl::Status status = Store(batch);
-  Count(status, batch.size(),
+  const auto& operations = batch.operations;
+  Count(status, operations.size(),
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
   if (!status.ok()) {
     if (!std::exchange(disk_fails_, true)) {
@@ -107,7 +108,7 @@ void StoreWriter::Process(OperationBatch batch) {
     spdlog::info("store {}: works again", file_->path());
   }
   SinkCalls calls;
-  for (const auto& operation : batch) {
+  for (const auto& operation : operations) {
     if (status.ok()) {
       operation->Publish(*index_, calls);
     } else {
@@ -116,7 +117,8 @@ void StoreWriter::Process(OperationBatch batch) {
   }
   for (const auto& call : calls) call(sink_);
   Failpoint("store_before_ack");
-  for (const auto& operation : batch) operation->Finish(status);
+  for (const auto& operation : operations) operation->Finish(status);
+  return operations.size();
 }
 
 void StoreWriter::Count(const absl::Status& status, size_t operations, double seconds) {
@@ -142,7 +144,10 @@ absl::Status StoreWriter::TryToStore(OperationBatch& batch, StoreTables& tables)
   Failpoint("store_before_write");
   ASSIGN_OR_RETURN(SqliteTransaction transaction, SqliteTransaction::Begin(&tables.database()));
   BatchPlan plan(*index_, limits_, counters_);
-  for (const auto& operation : batch) RETURN_IF_ERROR(operation->Write(plan, tables));
+  for (const auto& operation : batch.operations) RETURN_IF_ERROR(operation->Write(plan, tables));
+  while (StoreOperation* const next = queue_.Extend(batch, options_.batch)) {
+    RETURN_IF_ERROR(next->Write(plan, tables));
+  }
   if (!plan.changes()) return absl::OkStatus();
   StateRow state = state_;
   state.log_end = plan.counters().log_end;

@@ -25,7 +25,7 @@ struct StoreOptions {
   // A registered SQLite VFS; empty: the system's.
   std::string vfs;
   // Of one transaction: how long a neighbour may have to wait, against how many share an fsync.
-  int64_t max_batch_bytes = 4 << 20;
+  OperationQueue::BatchLimits batch;
   // Pages of 4 KiB in the write-ahead log before they are moved into the database: when there is
   // nothing else to do, and in any case.
   int checkpoint_pages_when_idle = 1000;
@@ -57,7 +57,8 @@ class StoreWriter {
 
  private:
   void Run();
-  void Process(OperationBatch batch);
+  // One batch from the queue, which is not empty; the number of its operations.
+  size_t Process();
   // Writes and commits, again after a salvage when the file turns out to be damaged. Not ok:
   // nothing is stored.
   absl::Status Store(OperationBatch& batch);

@@ -14,7 +14,6 @@ namespace overtone {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::IsEmpty;
 
 class Waiting : public StoreOperation {
  public:
@@ -31,37 +30,83 @@ class Waiting : public StoreOperation {
   const bool alone_;
 };
 
-std::vector<std::string> LanesOf(const OperationBatch& batch) {
+OperationQueue::BatchLimits Bytes(int64_t bytes) {
+  OperationQueue::BatchLimits limits;
+  limits.bytes = bytes;
+  return limits;
+}
+
+// What the queue gives to a batch, which may hold some already.
+std::vector<std::string> Fill(OperationQueue& queue, OperationBatch& batch,
+                              const OperationQueue::BatchLimits& limits) {
   std::vector<std::string> lanes;
-  for (const auto& operation : batch) lanes.push_back(operation->lane());
+  while (const StoreOperation* const next = queue.Extend(batch, limits)) {
+    lanes.push_back(next->lane());
+  }
   return lanes;
+}
+
+std::vector<std::string> NextBatch(OperationQueue& queue, int64_t bytes = 1000) {
+  OperationBatch batch;
+  return Fill(queue, batch, Bytes(bytes));
+}
+
+void Push(OperationQueue& queue, const std::string& lane, int operations = 1) {
+  for (int i = 0; i < operations; ++i) queue.Push(std::make_unique<Waiting>(lane));
 }
 
 TEST(OperationQueue, EveryLaneHasItsTurnAndTheNextBatchGoesOnBehindTheLast) {
   OperationQueue queue;
-  for (int i = 0; i < 100; ++i) queue.Push(std::make_unique<Waiting>("noisy"));
-  queue.Push(std::make_unique<Waiting>("anna"));
-  queue.Push(std::make_unique<Waiting>("zoe"));
-  EXPECT_THAT(LanesOf(queue.Take(/*max_bytes=*/20)), ElementsAre("anna", "noisy"));
-  EXPECT_THAT(LanesOf(queue.Take(20)), ElementsAre("zoe", "noisy"));
-  EXPECT_THAT(LanesOf(queue.Take(20)), ElementsAre("noisy", "noisy"));
+  Push(queue, "noisy", 100);
+  Push(queue, "anna");
+  Push(queue, "zoe");
+  EXPECT_THAT(NextBatch(queue, /*bytes=*/20), ElementsAre("anna", "noisy"));
+  EXPECT_THAT(NextBatch(queue, 20), ElementsAre("zoe", "noisy"));
+  EXPECT_THAT(NextBatch(queue, 20), ElementsAre("noisy", "noisy"));
+}
+
+TEST(OperationQueue, WhoComesWhileABacklogIsWrittenHasAPlaceAndTheBacklogThenEndsTheBatch) {
+  OperationQueue queue;
+  OperationQueue::BatchLimits limits;
+  limits.lane_beside_others = 3;
+  Push(queue, "noisy", 100);
+  OperationBatch batch;
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(queue.Extend(batch, limits)->lane(), "noisy");
+  Push(queue, "anna", 2);
+  EXPECT_THAT(Fill(queue, batch, limits), ElementsAre("anna", "anna"));
+  // Beside another from the start: its share, and no more.
+  Push(queue, "anna");
+  batch = OperationBatch();
+  EXPECT_THAT(Fill(queue, batch, limits), ElementsAre("noisy", "anna", "noisy", "noisy"));
+}
+
+TEST(OperationQueue, ABatchHasAnEndWhoeverGoesOnPushing) {
+  OperationQueue queue;
+  OperationQueue::BatchLimits limits;
+  limits.operations = 5;
+  OperationBatch batch;
+  int taken = 0;
+  do Push(queue, "a");
+  while (queue.Extend(batch, limits) != nullptr && ++taken < 100);
+  EXPECT_EQ(taken, 5);
 }
 
 TEST(OperationQueue, WhatGoesAloneIsABatchOfItsOwn) {
   OperationQueue queue;
-  for (const char* lane : {"a", "c"}) queue.Push(std::make_unique<Waiting>(lane));
+  for (const char* lane : {"a", "c"}) Push(queue, lane);
   queue.Push(std::make_unique<Waiting>("b", /*alone=*/true));
-  EXPECT_THAT(LanesOf(queue.Take(1000)), ElementsAre("a"));
-  EXPECT_THAT(LanesOf(queue.Take(1000)), ElementsAre("b"));
-  EXPECT_THAT(LanesOf(queue.Take(1000)), ElementsAre("c"));
+  EXPECT_THAT(NextBatch(queue), ElementsAre("a"));
+  EXPECT_THAT(NextBatch(queue), ElementsAre("b"));
+  EXPECT_THAT(NextBatch(queue), ElementsAre("c"));
 }
 
 TEST(OperationQueue, AClosedQueueGivesWhatIsLeftThenNothing) {
   OperationQueue queue;
-  queue.Push(std::make_unique<Waiting>("a"));
+  Push(queue, "a");
   queue.Close();
-  EXPECT_THAT(LanesOf(queue.Take(1000)), ElementsAre("a"));
-  EXPECT_THAT(LanesOf(queue.Take(1000)), IsEmpty());
+  EXPECT_TRUE(queue.Wait());
+  EXPECT_THAT(NextBatch(queue), ElementsAre("a"));
+  EXPECT_FALSE(queue.Wait());
 }
 
 }  // namespace

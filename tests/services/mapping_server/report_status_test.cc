@@ -172,7 +172,7 @@ TEST_F(ReportStatusTest, UnknownFieldsAreNotKept) {
 TEST_F(ReportStatusTest, AReportTakesOfTheRobotsCalls) {
   ServerOptions options = testing::TestOptions();
   options.quotas.max_calls_per_s = 0.001;
-  options.quotas.calls_burst = 2;
+  options.quotas.calls_burst = 3;  // the upload's stream and two reports
   server_.reset();
   StartServer(options);
   Upload("mine", kRun1, 1, 5);

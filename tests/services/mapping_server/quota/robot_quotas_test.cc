@@ -65,6 +65,16 @@ TEST_F(RobotQuotasTest, StreamsAreCountedUntilTheyEnd) {
   EXPECT_TRUE(quotas_.OpenStream("robot/anna").ok());
 }
 
+TEST_F(RobotQuotasTest, OpeningStreamsOverAndOverIsRefusedLikeOtherCalls) {
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(quotas_.OpenStream("robot/anna").ok());
+  const absl::Status refused = quotas_.OpenStream("robot/anna").status();
+  EXPECT_EQ(QuotaSubjectOf(refused), "robot/anna/calls");
+  ASSERT_EQ(RetryDelayOf(refused), absl::Milliseconds(200));
+  EXPECT_TRUE(quotas_.OpenStream("robot/bert").ok());
+  now_ += absl::Milliseconds(200);
+  EXPECT_TRUE(quotas_.OpenStream("robot/anna").ok());
+}
+
 // The noisy one floods over two streams; the other sends what it always does.
 TEST_F(RobotQuotasTest, ANoisyRobotSlowsItselfAndNotItsNeighbour) {
   StreamQuota noisy[] = {{&quotas_, "robot/noisy"}, {&quotas_, "robot/noisy"}};

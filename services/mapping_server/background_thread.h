@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef OVERTONE_SERVICES_MAPPING_SERVER_BACKGROUND_THREAD_H_
+#define OVERTONE_SERVICES_MAPPING_SERVER_BACKGROUND_THREAD_H_
+
+namespace overtone {
+
+// From now on the calling thread, and those it starts, let others of the process go first (nice 10:
+// about a tenth of a core's share beside a busy thread of normal priority). For optimising,
+// searching and merging: an acknowledgement never waits for them.
+void RunInBackground();
+
+}  // namespace overtone
+
+#endif  // OVERTONE_SERVICES_MAPPING_SERVER_BACKGROUND_THREAD_H_
