@@ -10,7 +10,7 @@
 namespace overtone {
 namespace {
 
-constexpr int kLower = 10, kLowest = 19;
+constexpr int kLower = 5, kLowest = 19;
 
 }  // namespace
 

@@ -4,8 +4,8 @@
 
 namespace overtone {
 
-// From now on the calling thread, and those it starts, let others of the process go first (nice 10:
-// about a tenth of a core's share beside a busy thread of normal priority). For optimising,
+// From now on the calling thread, and those it starts, let others of the process go first (nice 5:
+// a quarter of a core's share beside a busy thread of normal priority). For optimising,
 // searching and merging: an acknowledgement never waits for them.
 void RunInBackground();
 

@@ -78,6 +78,7 @@ class MapBackupTest : public ::testing::Test {
     AdminClient admin(server_->address(), kPatience);
     const absl::Time deadline = absl::Now() + kPatience;
     for (bool settled = false; !settled && absl::Now() < deadline;) {
+      absl::SleepFor(absl::Milliseconds(50));
       const auto summary = admin.GetMap(map);
       EXPECT_TRUE(summary.ok()) << summary.status();
       settled = !summary.ok() || summary->front_end_backlog() == 0;

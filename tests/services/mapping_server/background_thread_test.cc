@@ -22,7 +22,7 @@ TEST(BackgroundThread, GoesBehindTheOthersWithTheThreadsItStarts) {
     behind = Niceness();
     std::thread([&] { child = Niceness(); }).join();
   }).join();
-  EXPECT_EQ(behind, std::min(before + 10, 19));
+  EXPECT_EQ(behind, std::min(before + 5, 19));
   EXPECT_EQ(child, behind);
   EXPECT_EQ(Niceness(), before);
 }
