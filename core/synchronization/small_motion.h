@@ -18,6 +18,9 @@ struct SmallMotion {
   explicit SmallMotion(const Vector6d& xi);
 };
 
+// Exp(xi) * point, without the matrices. Any finite xi.
+Eigen::Vector3d MovedBy(const Vector6d& xi, const Eigen::Vector3d& point);
+
 }  // namespace overtone
 
 #endif  // OVERTONE_CORE_SYNCHRONIZATION_SMALL_MOTION_H_
