@@ -4,72 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <tuple>
+#include <limits>
 #include <utility>
+
+#include "overtone/core/synchronization/knot_parts.h"
 
 namespace overtone {
 namespace {
-
-// Knots whose sums are kept stretch by stretch, so that moving one costs two stretches.
-class MovingKnots {
- public:
-  MovingKnots(const ChordPrediction& prediction, const std::vector<int>& knots, int max_samples)
-      : prediction_(prediction), max_samples_(max_samples), knots_(knots) {
-    for (int gap = 0; gap <= knots_.size(); ++gap) {
-      parts_.push_back(Part(gap));
-      whole_ += parts_.back();
-    }
-    rmse_ = prediction_.Rmse(whole_);
-  }
-
-  // True when the prediction gets better by it; else nothing is changed.
-  bool Move(int k, int row) {
-    const int low = k == 0 ? -1 : knots_[k - 1];
-    const int high = k + 1 == knots_.size() ? prediction_.size() : knots_[k + 1];
-    if (row <= low || row >= high) return false;
-    const int before = std::exchange(knots_[k], row);
-    const ResidualSums left = Part(k), right = Part(k + 1);
-    ResidualSums whole = whole_;
-    (whole -= parts_[k]) -= parts_[k + 1];
-    (whole += left) += right;
-    const double rmse = prediction_.Rmse(whole);
-    if (!(rmse < rmse_ * (1 - kSmallestGain))) {
-      knots_[k] = before;
-      return false;
-    }
-    parts_[k] = left;
-    parts_[k + 1] = right;
-    whole_ = whole;
-    rmse_ = rmse;
-    return true;
-  }
-
-  // Half of the longer way to a neighbour.
-  int LargestStep(int k) const {
-    const int low = k == 0 ? 0 : knots_[k - 1];
-    const int high = k + 1 == knots_.size() ? prediction_.size() - 1 : knots_[k + 1];
-    return std::max(knots_[k] - low, high - knots_[k]) / 2;
-  }
-
-  const std::vector<int>& knots() const { return knots_; }
-
- private:
-  static constexpr double kSmallestGain = 1e-4;
-
-  // Before the first knot, between two, behind the last.
-  ResidualSums Part(int gap) const {
-    if (gap == 0) return prediction_.Before(knots_.front(), max_samples_);
-    if (gap == knots_.size()) return prediction_.Behind(knots_.back(), max_samples_);
-    return prediction_.Between(knots_[gap - 1], knots_[gap], max_samples_);
-  }
-
-  const ChordPrediction& prediction_;
-  const int max_samples_;
-  std::vector<int> knots_;
-  std::vector<ResidualSums> parts_;
-  ResidualSums whole_;
-  double rmse_ = 0;
-};
 
 // A short mission's table is small: more of each stretch can be looked at for the same work.
 KnotSearchOptions Adapted(KnotSearchOptions options, int num_nodes) {
@@ -113,89 +54,110 @@ KnotSearch::KnotSearch(const ChordPrediction& prediction, const KnotSearchOption
 
 std::vector<int> KnotSearch::Refine(const std::vector<int>& knots) const {
   constexpr int kMaxPasses = 4;
-  MovingKnots moving(prediction_, knots, options_.samples_in_refinement);
+  KnotParts parts(prediction_, knots, options_.samples_in_refinement);
   bool moved = true;
   for (int pass = 0; moved && pass < kMaxPasses; ++pass) {
     moved = false;
     for (int k = 0; k < knots.size(); ++k) {
-      for (int step = moving.LargestStep(k); step > 0; step /= 2) {
-        const int row = moving.knots()[k];
-        if (moving.Move(k, row - step) || moving.Move(k, row + step)) moved = true;
+      for (int step = parts.LargestStep(k); step > 0; step /= 2) {
+        const int row = parts.knots()[k];
+        if (parts.Move(k, row - step) || parts.Move(k, row + step)) moved = true;
       }
     }
   }
-  return moving.knots();
-}
-
-KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& knots) const {
-  const double rmse_m = prediction_.ExactRmse(knots);
-  return best.knots.empty() || rmse_m < best.rmse_m ? KnotSet{knots, rmse_m} : best;
+  return parts.knots();
 }
 
 // The table knows the optimum for a given alignment, refining the best alignment for given knots.
 KnotSet KnotSearch::Alternate(std::vector<int> knots) const {
   constexpr int kMaxRounds = 6;
-  KnotSet best = Better(KnotSet(), knots);
+  constexpr double kSmallestGain = 1e-3;
+  KnotSet best = {knots, prediction_.ExactRmse(knots)};
   for (int round = 0; round < kMaxRounds; ++round) {
     knots = Refine(knots);
-    const KnotSet refined = Better(best, knots);
-    if (round > 0 && !(refined.rmse_m < best.rmse_m)) break;
-    best = refined;
-    const ResidualSums sums = prediction_.Of(knots, options_.samples_in_refinement);
+    const double rmse_m = prediction_.ExactRmse(knots);
+    const bool enough = round > 0 && !(rmse_m < best.rmse_m * (1 - kSmallestGain));
+    if (rmse_m < best.rmse_m) best = {knots, rmse_m};
+    if (enough) break;
+    const ResidualSums sums = prediction_.Of(best.knots, options_.samples_in_refinement);
     knots = table_.Best(best.NumChords(), prediction_.Alignment(sums)).back();
     if (knots.size() != best.knots.size()) break;  // fewer candidates than that
-    best = Better(best, knots);
   }
   return best;
+}
+
+// The best of `knots` and one more of the candidates.
+void KnotSearch::OneMore(const KnotParts& knots, std::vector<int>* best,
+                         double* best_rmse_m) const {
+  int best_row = -1;
+  for (const int row : table_.candidates()) {
+    if (std::binary_search(knots.knots().begin(), knots.knots().end(), row)) continue;
+    const double rmse_m = knots.RmseWith(row);
+    if (!(rmse_m < *best_rmse_m)) continue;
+    *best_rmse_m = rmse_m;
+    best_row = row;
+  }
+  if (best_row < 0) return;
+  *best = knots.knots();
+  best->insert(std::lower_bound(best->begin(), best->end(), best_row), best_row);
 }
 
 // One knot goes, and comes back where it lowers the predicted RMSE most.
 std::vector<int> KnotSearch::Reinsert(const std::vector<int>& knots) const {
+  const KnotParts parts(prediction_, knots, options_.samples_per_stretch);
   std::vector<int> best = knots;
-  double best_rmse_m = prediction_.Rmse(prediction_.Of(knots, options_.samples_per_stretch));
-  for (const int gone : knots) {
-    for (const int row : table_.candidates()) {
-      std::vector<int> changed = knots;
-      *std::find(changed.begin(), changed.end(), gone) = row;
-      std::sort(changed.begin(), changed.end());
-      if (std::adjacent_find(changed.begin(), changed.end()) != changed.end()) continue;
-      const double rmse_m = prediction_.Rmse(prediction_.Of(changed, options_.samples_per_stretch));
-      if (rmse_m < best_rmse_m) std::tie(best, best_rmse_m) = std::pair(changed, rmse_m);
-    }
-  }
-  return best;
-}
-
-// The best of one chord fewer, and one knot more where it lowers the predicted RMSE most.
-std::vector<int> KnotSearch::OneMore(const std::vector<int>& knots) const {
-  std::vector<int> best;
-  double best_rmse_m = 0;
-  for (const int row : table_.candidates()) {
-    std::vector<int> more = knots;
-    const auto place = std::lower_bound(more.begin(), more.end(), row);
-    if (place != more.end() && *place == row) continue;
-    more.insert(place, row);
-    const double rmse_m = prediction_.Rmse(prediction_.Of(more, options_.samples_per_stretch));
-    if (best.empty() || rmse_m < best_rmse_m) std::tie(best, best_rmse_m) = std::pair(more, rmse_m);
+  double best_rmse_m = parts.rmse_m();
+  for (int gone = 0; gone < knots.size(); ++gone) {
+    KnotParts fewer = parts;
+    fewer.Remove(gone);
+    OneMore(fewer, &best, &best_rmse_m);
   }
   return best;
 }
 
 KnotSet KnotSearch::BestOf(int num_chords, const std::vector<std::vector<int>>& starts) const {
-  KnotSet best = Alternate(table_.Best(num_chords, Vector6d::Zero()).back());
-  const auto try_from = [&](const std::vector<int>& knots) {
-    if (knots.size() != num_chords + 1) return false;
-    const KnotSet other = Alternate(knots);
-    const bool better = other.rmse_m < best.rmse_m;
-    if (better) best = other;
-    return better;
-  };
-  for (const std::vector<int>& start : starts) try_from(start);
-  if (num_chords > options_.max_chords_to_try_all) return best;
-  try_from(num_chords == 1 ? table_.BestChord(prediction_)
-                           : OneMore(BestOf(num_chords - 1, {}).knots));
-  while (try_from(Reinsert(best.knots))) continue;
+  KnotSet best = BestOf(num_chords);
+  for (const std::vector<int>& start : starts) {
+    if (start.size() == num_chords + 1) best = Better(best, start);
+  }
   return best;
+}
+
+const KnotSet& KnotSearch::BestOf(int num_chords) const {
+  std::optional<KnotSet>& known = known_[num_chords];
+  if (known.has_value()) return *known;
+  KnotSet best = Alternate(table_.Best(num_chords, Vector6d::Zero()).back());
+  if (num_chords <= options_.max_chords_to_try_all) {
+    std::vector<int> more;
+    if (num_chords == 1) {
+      more = table_.BestChord(prediction_);
+    } else {
+      double rmse_m = std::numeric_limits<double>::infinity();
+      OneMore(KnotParts(prediction_, BestOf(num_chords - 1).knots, options_.samples_per_stretch),
+              &more, &rmse_m);
+    }
+    if (more.size() == num_chords + 1) best = Better(best, more);
+    double before_m = 0;
+    do {
+      before_m = best.rmse_m;
+      best = Better(best, Reinsert(best.knots));
+    } while (best.rmse_m < before_m);
+  }
+  return known.emplace(std::move(best));
+}
+
+KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& start) const {
+  if (start == best.knots) return best;
+  KnotSet other = Alternate(start);
+  return other.rmse_m < best.rmse_m ? other : best;
+}
+
+std::vector<double> KnotSearch::Estimates(int max_chords) const {
+  std::vector<double> estimates;
+  for (const std::vector<int>& knots : table_.Best(max_chords, Vector6d::Zero())) {
+    estimates.push_back(prediction_.Rmse(prediction_.Of(knots, options_.samples_per_stretch)));
+  }
+  return estimates;
 }
 
 }  // namespace overtone

@@ -3,9 +3,12 @@
 #ifndef OVERTONE_CORE_SYNCHRONIZATION_KNOT_SEARCH_H_
 #define OVERTONE_CORE_SYNCHRONIZATION_KNOT_SEARCH_H_
 
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "overtone/core/synchronization/chord_prediction.h"
+#include "overtone/core/synchronization/knot_parts.h"
 #include "overtone/core/synchronization/knot_table.h"
 
 namespace overtone {
@@ -26,29 +29,39 @@ struct KnotSearchOptions {
   int max_chords_to_try_all = 4;
 };
 
+// Not thread-safe: it remembers what it has found.
 class KnotSearch {
  public:
   // `prediction` must outlive it and have at least two nodes.
+  // O(nodes + candidates^2 samples_per_stretch).
   KnotSearch(const ChordPrediction& prediction, const KnotSearchOptions& options);
 
   // The best that is found for exactly so many chords, or for as many as there are candidates for:
   // from the dynamic programme's answer and from each of `starts` (those of another number are
   // passed over), knots are moved between their neighbours, and the programme is asked again with
   // the alignment that has come of it. So it is never worse by its own prediction than a start.
+  // O(nodes + num_chords (candidates^2 + samples_in_refinement log nodes)), a few times over.
   KnotSet BestOf(int num_chords, const std::vector<std::vector<int>>& starts) const;
 
-  // Moves single knots as long as that lowers the predicted RMSE.
+  // What the programme alone comes to for 1, 2 ... max_chords chords (or as many as there are
+  // candidates for), as far as samples show: predicted RMSE in metres. O(max_chords candidates^2).
+  std::vector<double> Estimates(int max_chords) const;
+
+  // Moves single knots as long as that lowers the predicted RMSE. O(samples_in_refinement) for each
+  // place that is tried.
   std::vector<int> Refine(const std::vector<int>& knots) const;
 
  private:
-  KnotSet Better(const KnotSet& best, const std::vector<int>& knots) const;
+  const KnotSet& BestOf(int num_chords) const;
+  KnotSet Better(const KnotSet& best, const std::vector<int>& start) const;
   KnotSet Alternate(std::vector<int> knots) const;
-  std::vector<int> OneMore(const std::vector<int>& knots) const;
+  void OneMore(const KnotParts& knots, std::vector<int>* best, double* best_rmse_m) const;
   std::vector<int> Reinsert(const std::vector<int>& knots) const;
 
   const ChordPrediction& prediction_;
   const KnotSearchOptions options_;
   const KnotTable table_;
+  mutable std::map<int, std::optional<KnotSet>> known_;  // by the number of chords, without starts
 };
 
 // Rows of `count` candidates for knots: equal shares of the nodes, and both ends of the largest

@@ -25,24 +25,30 @@ std::vector<int> UniformKnots(const TrajectoryComparison& comparison,
 }
 
 // The fewest chords that come within the tolerance; with more than that the best of max_chords.
+// The programme's estimates, as far off as the search has found them to be, say where to look.
 KnotSet FewestKnots(const TrajectoryComparison& comparison, const SynchronizationOptions& options,
                     const ChordPrediction& prediction) {
   const KnotSearch search(prediction, KnotSearchOptions());
-  const auto best_of = [&](int num_chords) {
-    return search.BestOf(num_chords, {UniformKnots(comparison, options, num_chords)});
-  };
-  int most = std::min(options.selection.n, prediction.size() - 1);
-  int fewest = 1;
-  KnotSet best = best_of(most);
-  if (best.rmse_m > options.selection.tolerance_m) return best;
-  while (fewest < most) {
-    const int middle = (fewest + most) / 2;
-    KnotSet fewer = best_of(middle);
-    if (fewer.rmse_m > options.selection.tolerance_m) {
-      fewest = middle + 1;
+  const double tolerance_m = options.selection.tolerance_m;
+  int fewest = 1, most = std::min(options.selection.n, prediction.size() - 1);
+  const std::vector<double> estimates = search.Estimates(most);
+  double found_over_estimate = 1;
+  KnotSet best;
+  bool within = false;
+  while (fewest <= most) {
+    int chords = fewest;
+    // Beyond the candidates there is no estimate, and no better answer than with all of them.
+    const auto estimate = [&] { return estimates[std::min<size_t>(chords, estimates.size()) - 1]; };
+    while (chords < most && estimate() * found_over_estimate > tolerance_m) ++chords;
+    KnotSet found = search.BestOf(chords, {UniformKnots(comparison, options, chords)});
+    if (estimate() > 0) found_over_estimate = found.rmse_m / estimate();
+    if (found.rmse_m > tolerance_m) {
+      fewest = chords + 1;
+      if (!within) best = std::move(found);
     } else {
-      most = middle;
-      best = std::move(fewer);
+      most = chords - 1;
+      best = std::move(found);
+      within = true;
     }
   }
   return best;
