@@ -52,9 +52,9 @@ KnotSearch::KnotSearch(const ChordPrediction& prediction, const KnotSearchOption
       table_(prediction, CandidateKnots(prediction, options_.max_candidates),
              options_.samples_per_stretch) {}
 
-std::vector<int> KnotSearch::Refine(const std::vector<int>& knots) const {
+std::vector<int> KnotSearch::Refine(const std::vector<int>& knots, int max_samples) const {
   constexpr int kMaxPasses = 4;
-  KnotParts parts(prediction_, knots, options_.samples_in_refinement);
+  KnotParts parts(prediction_, knots, max_samples);
   bool moved = true;
   for (int pass = 0; moved && pass < kMaxPasses; ++pass) {
     moved = false;
@@ -74,12 +74,12 @@ KnotSet KnotSearch::Alternate(std::vector<int> knots) const {
   constexpr double kSmallestGain = 1e-3;
   KnotSet best = {knots, prediction_.ExactRmse(knots)};
   for (int round = 0; round < kMaxRounds; ++round) {
-    knots = Refine(knots);
+    knots = Refine(knots, options_.samples_to_compare);
     const double rmse_m = prediction_.ExactRmse(knots);
     const bool enough = round > 0 && !(rmse_m < best.rmse_m * (1 - kSmallestGain));
     if (rmse_m < best.rmse_m) best = {knots, rmse_m};
     if (enough) break;
-    const ResidualSums sums = prediction_.Of(best.knots, options_.samples_in_refinement);
+    const ResidualSums sums = prediction_.Of(best.knots, options_.samples_to_compare);
     knots = table_.Best(best.NumChords(), prediction_.Alignment(sums)).back();
     if (knots.size() != best.knots.size()) break;  // fewer candidates than that
   }
@@ -120,7 +120,25 @@ KnotSet KnotSearch::BestOf(int num_chords, const std::vector<std::vector<int>>& 
   for (const std::vector<int>& start : starts) {
     if (start.size() == num_chords + 1) best = Better(best, start);
   }
-  return best;
+  return Polished(best);
+}
+
+// What one refinement leaves far behind is not followed further; a start itself is a candidate.
+KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& start) const {
+  constexpr double kFarBehind = 1.05;
+  if (start == best.knots) return best;
+  const double start_rmse_m = prediction_.ExactRmse(start);
+  const KnotSet& better = start_rmse_m < best.rmse_m ? KnotSet{start, start_rmse_m} : best;
+  const std::vector<int> refined = Refine(start, options_.samples_to_compare);
+  if (prediction_.ExactRmse(refined) > kFarBehind * better.rmse_m) return better;
+  KnotSet other = Alternate(refined);
+  return other.rmse_m < better.rmse_m ? other : better;
+}
+
+KnotSet KnotSearch::Polished(const KnotSet& set) const {
+  const std::vector<int> knots = Refine(set.knots, options_.samples_in_refinement);
+  const double rmse_m = prediction_.ExactRmse(knots);
+  return rmse_m < set.rmse_m ? KnotSet{knots, rmse_m} : set;
 }
 
 const KnotSet& KnotSearch::BestOf(int num_chords) const {
@@ -144,12 +162,6 @@ const KnotSet& KnotSearch::BestOf(int num_chords) const {
     } while (best.rmse_m < before_m);
   }
   return known.emplace(std::move(best));
-}
-
-KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& start) const {
-  if (start == best.knots) return best;
-  KnotSet other = Alternate(start);
-  return other.rmse_m < best.rmse_m ? other : best;
 }
 
 std::vector<double> KnotSearch::Estimates(int max_chords) const {

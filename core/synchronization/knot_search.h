@@ -24,7 +24,8 @@ struct KnotSet {
 struct KnotSearchOptions {
   int max_candidates = 96;         // of the dynamic programme; its table has half their square
   int samples_per_stretch = 12;    // nodes that stand for a stretch in the table, ...
-  int samples_in_refinement = 48;  // ... and when knots are moved; 0: all
+  int samples_to_compare = 16;     // ... when knots are moved, ...
+  int samples_in_refinement = 48;  // ... and when the best are, at last; 0: all
   // With so few chords, where the alignment matters most, single knots are tried everywhere.
   int max_chords_to_try_all = 4;
 };
@@ -40,20 +41,23 @@ class KnotSearch {
   // from the dynamic programme's answer and from each of `starts` (those of another number are
   // passed over), knots are moved between their neighbours, and the programme is asked again with
   // the alignment that has come of it. So it is never worse by its own prediction than a start.
-  // O(nodes + num_chords (candidates^2 + samples_in_refinement log nodes)), a few times over.
+  // Single knots are moved by few samples as long as answers are compared, and by more at last;
+  // what is returned has been predicted exactly. O(nodes + num_chords (candidates^2 +
+  // samples_in_refinement log nodes)), a few times over.
   KnotSet BestOf(int num_chords, const std::vector<std::vector<int>>& starts) const;
 
   // What the programme alone comes to for 1, 2 ... max_chords chords (or as many as there are
   // candidates for), as far as samples show: predicted RMSE in metres. O(max_chords candidates^2).
   std::vector<double> Estimates(int max_chords) const;
 
-  // Moves single knots as long as that lowers the predicted RMSE. O(samples_in_refinement) for each
-  // place that is tried.
-  std::vector<int> Refine(const std::vector<int>& knots) const;
+  // Moves single knots as long as that lowers the predicted RMSE. O(max_samples) for each place
+  // that is tried: O(knots log nodes) of them, a few times over.
+  std::vector<int> Refine(const std::vector<int>& knots, int max_samples) const;
 
  private:
   const KnotSet& BestOf(int num_chords) const;
   KnotSet Better(const KnotSet& best, const std::vector<int>& start) const;
+  KnotSet Polished(const KnotSet& set) const;
   KnotSet Alternate(std::vector<int> knots) const;
   void OneMore(const KnotParts& knots, std::vector<int>* best, double* best_rmse_m) const;
   std::vector<int> Reinsert(const std::vector<int>& knots) const;

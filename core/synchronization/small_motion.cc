@@ -28,26 +28,6 @@ Coefficients CoefficientsOf(double x2) {
           (2 * x - 3 * sine + x * cosine) / (2 * x2 * x2 * x)};
 }
 
-struct Rodrigues {
-  double a, b;  // as above
-};
-
-// Those two alone, whose series reach further for as little.
-inline Rodrigues RodriguesOf(double x2) {
-  constexpr double kSeriesBelow = 0.25;  // the next terms are 1e-17 of the sums
-  if (x2 < kSeriesBelow) {
-    double a = 1. / 87178291200, b = 1. / 1307674368000;  // 1 / 14!, 1 / 15!
-    a = 1. / 479001600 - x2 * a, b = 1. / 6227020800 - x2 * b;
-    a = 1. / 3628800 - x2 * a, b = 1. / 39916800 - x2 * b;
-    a = 1. / 40320 - x2 * a, b = 1. / 362880 - x2 * b;
-    a = 1. / 720 - x2 * a, b = 1. / 5040 - x2 * b;
-    a = 1. / 24 - x2 * a, b = 1. / 120 - x2 * b;
-    return {1. / 2 - x2 * a, 1. / 6 - x2 * b};
-  }
-  const double x = std::sqrt(x2);
-  return {(1 - std::cos(x)) / x2, (x - std::sin(x)) / (x2 * x)};
-}
-
 }  // namespace
 
 // With P = phi^x and R = rho^x:
@@ -70,16 +50,6 @@ SmallMotion::SmallMotion(const Vector6d& xi) {
   right_jacobian.y = -f.a * Skew(rho) + (f.b - 2 * f.c) * dot * p +
                      f.b * (rho_phi + rho_phi.transpose()) - 2 * f.d * dot * pp;
   right_jacobian.y.diagonal().array() -= 2 * f.b * dot;
-}
-
-// By Rodrigues' formula for both parts at once: with v = rho + phi x point and w = phi x v,
-//     point + v + a w + b phi x w,   phi x w = phi (phi . v) - x^2 v.
-Eigen::Vector3d MovedBy(const Vector6d& xi, const Eigen::Vector3d& point) {
-  const Eigen::Vector3d phi = xi.tail<3>();
-  const Eigen::Vector3d v = xi.head<3>() + phi.cross(point);
-  const double x2 = phi.squaredNorm();
-  const auto [a, b] = RodriguesOf(x2);
-  return point + (1 - b * x2) * v + a * phi.cross(v) + (b * phi.dot(v)) * phi;
 }
 
 }  // namespace overtone
