@@ -49,8 +49,12 @@ std::vector<int> CandidateKnots(const ChordPrediction& prediction, int count) {
 KnotSearch::KnotSearch(const ChordPrediction& prediction, const KnotSearchOptions& options)
     : prediction_(prediction),
       options_(Adapted(options, prediction.size())),
-      table_(prediction, CandidateKnots(prediction, options_.max_candidates),
-             options_.samples_per_stretch) {}
+      candidates_(CandidateKnots(prediction, options_.max_candidates)) {}
+
+const KnotTable& KnotSearch::Table() const {
+  if (!table_.has_value()) table_.emplace(prediction_, candidates_, options_.samples_per_stretch);
+  return *table_;
+}
 
 std::vector<int> KnotSearch::Refine(const std::vector<int>& knots, int max_samples) const {
   constexpr int kMaxPasses = 4;
@@ -80,7 +84,7 @@ KnotSet KnotSearch::Alternate(std::vector<int> knots) const {
     if (rmse_m < best.rmse_m) best = {knots, rmse_m};
     if (enough) break;
     const ResidualSums sums = prediction_.Of(best.knots, options_.samples_to_compare);
-    knots = table_.Best(best.NumChords(), prediction_.Alignment(sums)).back();
+    knots = Table().Best(best.NumChords(), prediction_.Alignment(sums)).back();
     if (knots.size() != best.knots.size()) break;  // fewer candidates than that
   }
   return best;
@@ -90,7 +94,7 @@ KnotSet KnotSearch::Alternate(std::vector<int> knots) const {
 void KnotSearch::OneMore(const KnotParts& knots, std::vector<int>* best,
                          double* best_rmse_m) const {
   int best_row = -1;
-  for (const int row : table_.candidates()) {
+  for (const int row : candidates_) {
     if (std::binary_search(knots.knots().begin(), knots.knots().end(), row)) continue;
     const double rmse_m = knots.RmseWith(row);
     if (!(rmse_m < *best_rmse_m)) continue;
@@ -102,11 +106,30 @@ void KnotSearch::OneMore(const KnotParts& knots, std::vector<int>* best,
   best->insert(std::lower_bound(best->begin(), best->end(), best_row), best_row);
 }
 
-// One knot goes, and comes back where it lowers the predicted RMSE most.
+KnotParts KnotSearch::WithoutLeastMissed(const KnotParts& knots) const {
+  std::optional<KnotParts> best;
+  for (int gone = 0; gone < knots.knots().size(); ++gone) {
+    KnotParts fewer = knots;
+    fewer.Remove(gone);
+    if (!best.has_value() || fewer.rmse_m() < best->rmse_m()) best.emplace(std::move(fewer));
+  }
+  return *std::move(best);
+}
+
+std::vector<int> KnotSearch::OneFewer(const std::vector<int>& knots) const {
+  return WithoutLeastMissed(KnotParts(prediction_, knots, options_.samples_per_stretch)).knots();
+}
+
+// One knot goes, and comes back where it lowers the predicted RMSE most: with few chords each of
+// them in turn, else the one that is missed least.
 std::vector<int> KnotSearch::Reinsert(const std::vector<int>& knots) const {
   const KnotParts parts(prediction_, knots, options_.samples_per_stretch);
   std::vector<int> best = knots;
   double best_rmse_m = parts.rmse_m();
+  if (knots.size() > options_.max_chords_to_try_all + 1) {
+    OneMore(WithoutLeastMissed(parts), &best, &best_rmse_m);
+    return best;
+  }
   for (int gone = 0; gone < knots.size(); ++gone) {
     KnotParts fewer = parts;
     fewer.Remove(gone);
@@ -120,7 +143,7 @@ KnotSet KnotSearch::BestOf(int num_chords, const std::vector<std::vector<int>>& 
   for (const std::vector<int>& start : starts) {
     if (start.size() == num_chords + 1) best = Better(best, start);
   }
-  return Polished(best);
+  return Polished(Reinserted(best));
 }
 
 // What one refinement leaves far behind is not followed further; a start itself is a candidate.
@@ -135,6 +158,27 @@ KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& start) c
   return other.rmse_m < better.rmse_m ? other : better;
 }
 
+KnotSet KnotSearch::Reinserted(KnotSet set) const {
+  constexpr int kMaxRounds = 4;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double before_m = set.rmse_m;
+    set = Better(set, Reinsert(set.knots));
+    if (!(set.rmse_m < before_m)) break;
+  }
+  return set;
+}
+
+KnotSet KnotSearch::Improved(const std::vector<int>& knots) const {
+  KnotSet best = {knots, prediction_.ExactRmse(knots)};
+  const std::vector<int> refined = Refine(knots, options_.samples_to_compare);
+  for (const std::vector<int>& changed :
+       {refined, Refine(Reinsert(refined), options_.samples_to_compare)}) {
+    const double rmse_m = prediction_.ExactRmse(changed);
+    if (rmse_m < best.rmse_m) best = {changed, rmse_m};
+  }
+  return best;
+}
+
 KnotSet KnotSearch::Polished(const KnotSet& set) const {
   const std::vector<int> knots = Refine(set.knots, options_.samples_in_refinement);
   const double rmse_m = prediction_.ExactRmse(knots);
@@ -144,29 +188,25 @@ KnotSet KnotSearch::Polished(const KnotSet& set) const {
 const KnotSet& KnotSearch::BestOf(int num_chords) const {
   std::optional<KnotSet>& known = known_[num_chords];
   if (known.has_value()) return *known;
-  KnotSet best = Alternate(table_.Best(num_chords, Vector6d::Zero()).back());
+  KnotSet best = Alternate(Table().Best(num_chords, Vector6d::Zero()).back());
   if (num_chords <= options_.max_chords_to_try_all) {
     std::vector<int> more;
     if (num_chords == 1) {
-      more = table_.BestChord(prediction_);
+      more = Table().BestChord(prediction_);
     } else {
       double rmse_m = std::numeric_limits<double>::infinity();
       OneMore(KnotParts(prediction_, BestOf(num_chords - 1).knots, options_.samples_per_stretch),
               &more, &rmse_m);
     }
     if (more.size() == num_chords + 1) best = Better(best, more);
-    double before_m = 0;
-    do {
-      before_m = best.rmse_m;
-      best = Better(best, Reinsert(best.knots));
-    } while (best.rmse_m < before_m);
+    best = Reinserted(best);
   }
   return known.emplace(std::move(best));
 }
 
 std::vector<double> KnotSearch::Estimates(int max_chords) const {
   std::vector<double> estimates;
-  for (const std::vector<int>& knots : table_.Best(max_chords, Vector6d::Zero())) {
+  for (const std::vector<int>& knots : Table().Best(max_chords, Vector6d::Zero())) {
     estimates.push_back(prediction_.Rmse(prediction_.Of(knots, options_.samples_per_stretch)));
   }
   return estimates;

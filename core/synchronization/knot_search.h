@@ -34,7 +34,7 @@ struct KnotSearchOptions {
 class KnotSearch {
  public:
   // `prediction` must outlive it and have at least two nodes.
-  // O(nodes + candidates^2 samples_per_stretch).
+  // O(nodes); the table, O(candidates^2 samples_per_stretch), comes with the first call for it.
   KnotSearch(const ChordPrediction& prediction, const KnotSearchOptions& options);
 
   // The best that is found for exactly so many chords, or for as many as there are candidates for:
@@ -46,6 +46,14 @@ class KnotSearch {
   // samples_in_refinement log nodes)), a few times over.
   KnotSet BestOf(int num_chords, const std::vector<std::vector<int>>& starts) const;
 
+  // The best of `knots` and what comes of them by moving single ones, by taking the one that is
+  // missed least to where it helps most, and both: as many, at least two. Without a table:
+  // O(nodes + candidates samples_per_stretch), and Refine twice.
+  KnotSet Improved(const std::vector<int>& knots) const;
+
+  // Without the knot whose going raises the predicted RMSE least; at least two.
+  std::vector<int> OneFewer(const std::vector<int>& knots) const;
+
   // What the programme alone comes to for 1, 2 ... max_chords chords (or as many as there are
   // candidates for), as far as samples show: predicted RMSE in metres. O(max_chords candidates^2).
   std::vector<double> Estimates(int max_chords) const;
@@ -55,16 +63,20 @@ class KnotSearch {
   std::vector<int> Refine(const std::vector<int>& knots, int max_samples) const;
 
  private:
+  const KnotTable& Table() const;
   const KnotSet& BestOf(int num_chords) const;
   KnotSet Better(const KnotSet& best, const std::vector<int>& start) const;
+  KnotSet Reinserted(KnotSet set) const;
   KnotSet Polished(const KnotSet& set) const;
   KnotSet Alternate(std::vector<int> knots) const;
   void OneMore(const KnotParts& knots, std::vector<int>* best, double* best_rmse_m) const;
+  KnotParts WithoutLeastMissed(const KnotParts& knots) const;
   std::vector<int> Reinsert(const std::vector<int>& knots) const;
 
   const ChordPrediction& prediction_;
   const KnotSearchOptions options_;
-  const KnotTable table_;
+  const std::vector<int> candidates_;
+  mutable std::optional<KnotTable> table_;               // once it is asked
   mutable std::map<int, std::optional<KnotSet>> known_;  // by the number of chords, without starts
 };
 
