@@ -74,14 +74,15 @@ SynchronizationOptions Options(bool se3_log) {
   return options;
 }
 
-// From a graph to a batch. Returns the number of constraints; -1: refused.
-int Synchronize(TrajectoryComparator& comparator, const MapGraph& graph,
+// From a graph to constraints in force. Returns their number; -1: refused.
+int Synchronize(TrajectoryComparator& comparator, ConstraintHistory& history, const MapGraph& graph,
                 const std::vector<NodePose>& onboard, const SynchronizationOptions& options) {
   const auto comparison = comparator.Compare(graph, kMission, onboard);
   if (!comparison.ok()) return -1;
-  const ConstraintBatch batch = ConstraintHistory().Reconcile(
-      SelectConstraints(*comparison, options), *comparison, options.constraints);
-  return static_cast<int>(batch.add.size());
+  history.Commit(
+      history.Reconcile(SelectConstraints(*comparison, options, {{}, {}, history.Active()}),
+                        *comparison, options.constraints, Unproposed::kRetract));
+  return static_cast<int>(history.Active().size());
 }
 
 void BM_CompareTrajectories(benchmark::State& state) {
@@ -92,7 +93,8 @@ void BM_CompareTrajectories(benchmark::State& state) {
   int num_constraints = 0;
   for (auto _ : state) {
     TrajectoryComparator comparator(options);
-    num_constraints = Synchronize(comparator, graph, onboard, options);
+    ConstraintHistory history;
+    num_constraints = Synchronize(comparator, history, graph, onboard, options);
     if (num_constraints < 0) state.SkipWithError("refused");
   }
   state.counters["constraints"] = num_constraints;
@@ -104,19 +106,40 @@ void BM_CompareNextRevision(benchmark::State& state) {
   const std::vector<NodePose> onboard = Drifted(server);
   const SynchronizationOptions options = Options(state.range(1) == 1);
   TrajectoryComparator comparator(options);
-  (void)Synchronize(comparator, graphs[0], onboard, options);
+  ConstraintHistory history;
+  (void)Synchronize(comparator, history, graphs[0], onboard, options);
   int revision = 0, num_reused = 0;
   for (auto _ : state) {
-    if (Synchronize(comparator, graphs[++revision % 2], onboard, options) < 0) {
+    if (Synchronize(comparator, history, graphs[++revision % 2], onboard, options) < 0) {
       state.SkipWithError("refused");
     }
     num_reused += comparator.filter().reused_coefficients();
   }
   state.counters["reused"] = static_cast<double>(num_reused) / revision;
 }
+// Selection alone: with nothing in force, and of a revision that moves every node by a few
+// millimetres with the knots of the one before in force.
+void BM_SelectKnots(benchmark::State& state) {
+  const std::vector<Rigid3d> server = Sweep(static_cast<int>(state.range(0)));
+  const std::vector<NodePose> onboard = Drifted(server);
+  SynchronizationOptions options = Options(false);
+  if (state.range(2) == 1) options.selection.tolerance_m = 0.3;
+  const auto first = CompareTrajectories(Graph(server), kMission, onboard, options);
+  const auto next = CompareTrajectories(Graph(NextRevision(server)), kMission, onboard, options);
+  if (!first.ok() || !next.ok()) return state.SkipWithError("refused");
+  SelectionContext context;
+  if (state.range(1) == 1) context.active = SelectConstraints(*first, options);
+  size_t num_constraints = 0;
+  for (auto _ : state) num_constraints = SelectConstraints(*next, options, context).size();
+  state.counters["constraints"] = static_cast<double>(num_constraints);
+}
+BENCHMARK(BM_SelectKnots)
+    ->ArgNames({"nodes", "in_force", "lenient"})
+    ->ArgsProduct({{330, 1000, 2500, 10000}, {0, 1}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CompareTrajectories)
     ->ArgNames({"nodes", "se3_log"})
-    ->ArgsProduct({{200, 1000, 5000, 10000, 20000}, {0}})
+    ->ArgsProduct({{200, 330, 1000, 2500, 5000, 10000, 20000}, {0}})
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CompareTrajectories)
     ->ArgNames({"nodes", "se3_log"})
@@ -124,7 +147,7 @@ BENCHMARK(BM_CompareTrajectories)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CompareNextRevision)
     ->ArgNames({"nodes", "se3_log"})
-    ->ArgsProduct({{1000, 5000, 10000, 20000}, {0}})
+    ->ArgsProduct({{330, 1000, 2500, 5000, 10000, 20000}, {0}})
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CompareNextRevision)
     ->ArgNames({"nodes", "se3_log"})

@@ -34,8 +34,11 @@ Rigid3d AlignLines(const Points& source, const Points& target) {
 }  // namespace
 
 double AlignedRmse(const std::vector<Rigid3d>& estimate, const std::vector<Rigid3d>& reference) {
-  if (estimate.empty()) return 0;
-  const Points source = Positions(estimate), target = Positions(reference);
+  return AlignedRmse(Positions(estimate), Positions(reference));
+}
+
+double AlignedRmse(const Points& source, const Points& target) {
+  if (source.empty()) return 0;
   const auto aligned = UmeyamaAlignment(source, target, AlignmentMode::kSe3);
   const Rigid3d motion = aligned.ok() ? *aligned : AlignLines(source, target);
   double squares = 0;

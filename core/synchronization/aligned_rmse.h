@@ -12,6 +12,9 @@ namespace overtone {
 // the best rigid motion. Defined for all finite poses: where all lie on one line, their centroids
 // and the directions from first to last are aligned. Same length; 0 for none.
 double AlignedRmse(const std::vector<Rigid3d>& estimate, const std::vector<Rigid3d>& reference);
+// Of the positions alone.
+double AlignedRmse(const std::vector<Eigen::Vector3d>& estimate,
+                   const std::vector<Eigen::Vector3d>& reference);
 
 }  // namespace overtone
 

@@ -4,9 +4,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "Eigen/Cholesky"
 #include "overtone/core/synchronization/aligned_rmse.h"
+#include "overtone/core/synchronization/small_motion.h"
 
 namespace overtone {
+namespace {
+
+// Where a motion of the whole takes points.
+class Placement {
+ public:
+  explicit Placement(const Rigid3d& motion)
+      : rotation_(motion.rotation.toRotationMatrix()), translation_(motion.translation) {}
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const {
+    return rotation_ * point + translation_;
+  }
+
+ private:
+  Eigen::Matrix3d rotation_;  // costs a point half of what a quaternion does
+  Eigen::Vector3d translation_;
+};
+
+}  // namespace
+
 ResidualSums& ResidualSums::operator+=(const ResidualSums& other) {
   squares += other.squares;
   moment += other.moment;
@@ -27,9 +47,11 @@ ChordPrediction::ChordPrediction(const std::vector<Rigid3d>& server,
   for (const Rigid3d& pose : server) centroid += pose.translation / server.size();
   server_from_odometry_.reserve(server.size());
   walk_.reserve(server.size());
+  positions_.reserve(server.size());
   Matrix6d walk = Matrix6d::Zero(), inertia = Matrix6d::Zero();
   for (int i = 0; i < size(); ++i) {
     server_[i].translation -= centroid;
+    positions_.push_back(server_[i].translation);
     server_from_odometry_.push_back(server_[i] * odometry_[i].Inverse());
     if (i > 0) {
       const Matrix6d adjoint = Adjoint(server_[i]);
@@ -40,7 +62,7 @@ ChordPrediction::ChordPrediction(const std::vector<Rigid3d>& server,
     jacobian << Eigen::Matrix3d::Identity(), -Skew(server_[i].translation);
     inertia.noalias() += jacobian.transpose() * jacobian;
   }
-  alignment_.compute(inertia);
+  alignment_ = inertia.ldlt().solve(Matrix6d::Identity());
 }
 
 template <typename Position>
@@ -54,7 +76,7 @@ ResidualSums ChordPrediction::Sum(int begin, int end, int max_samples,
     // The middles of equal shares.
     const int i =
         begin + static_cast<int>((2 * static_cast<int64_t>(k) + 1) * count / (2 * samples));
-    const Eigen::Vector3d& server = server_[i].translation;
+    const Eigen::Vector3d& server = positions_[i];
     const Eigen::Vector3d residual = position(i) - server;
     sums.squares += residual.squaredNorm();
     sums.moment.head<3>() += residual;
@@ -71,7 +93,10 @@ Vector6d ChordPrediction::Gap(int from, int to) const {
 }
 
 Vector6d ChordPrediction::Spread(int from, int to) const {
-  return (walk_[to] - walk_[from]).ldlt().solve(Gap(from, to));
+  const Matrix6d covariance = walk_[to] - walk_[from];
+  const Eigen::LLT<Matrix6d> root(covariance);
+  if (root.info() == Eigen::Success) return root.solve(Gap(from, to));
+  return covariance.ldlt().solve(Gap(from, to));  // round-off
 }
 
 double ChordPrediction::GapChiSquare(int from, int to) const {
@@ -81,20 +106,23 @@ double ChordPrediction::GapChiSquare(int from, int to) const {
 ResidualSums ChordPrediction::Between(int from, int to, int max_samples) const {
   if (to - from < 2) return ResidualSums();
   const Vector6d spread = Spread(from, to);
-  return Sum(from + 1, to, max_samples, [&](int i) -> Eigen::Vector3d {
-    const Vector6d moved = (walk_[i] - walk_[from]) * spread;
-    return Exp(moved) * (server_from_odometry_[from] * odometry_[i].translation);
+  const Vector6d begin = walk_[from] * spread;
+  const Placement placement(server_from_odometry_[from]);
+  return Sum(from + 1, to, max_samples, [&](int i) {
+    const Vector6d moved = walk_[i] * spread - begin;
+    return MovedBy(moved, placement * odometry_[i].translation);
   });
 }
 
 ResidualSums ChordPrediction::Before(int knot, int max_samples) const {
-  return Sum(0, knot, max_samples,
-             [&](int i) { return server_from_odometry_[knot] * odometry_[i].translation; });
+  const Placement placement(server_from_odometry_[knot]);
+  return Sum(0, knot, max_samples, [&](int i) { return placement * odometry_[i].translation; });
 }
 
 ResidualSums ChordPrediction::Behind(int knot, int max_samples) const {
+  const Placement placement(server_from_odometry_[knot]);
   return Sum(knot + 1, size(), max_samples,
-             [&](int i) { return server_from_odometry_[knot] * odometry_[i].translation; });
+             [&](int i) { return placement * odometry_[i].translation; });
 }
 
 ResidualSums ChordPrediction::Of(const std::vector<int>& knots, int max_samples) const {
@@ -128,8 +156,35 @@ std::vector<Rigid3d> ChordPrediction::Predict(const std::vector<int>& knots) con
   return poses;
 }
 
+std::vector<Eigen::Vector3d> ChordPrediction::PredictPositions(
+    const std::vector<int>& knots) const {
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(positions_.size());
+  const auto add_unchanged = [&](int knot, int begin, int end) {
+    const Placement placement(server_from_odometry_[knot]);
+    for (int i = begin; i < end; ++i) positions.push_back(placement * odometry_[i].translation);
+  };
+  if (knots.empty()) {
+    add_unchanged(0, 0, size());
+    return positions;
+  }
+  add_unchanged(knots.front(), 0, knots.front() + 1);
+  for (int k = 1; k < knots.size(); ++k) {
+    const int from = knots[k - 1];
+    const Vector6d spread = Spread(from, knots[k]);
+    const Vector6d begin = walk_[from] * spread;
+    const Placement placement(server_from_odometry_[from]);
+    for (int i = from + 1; i <= knots[k]; ++i) {
+      const Vector6d moved = walk_[i] * spread - begin;
+      positions.push_back(MovedBy(moved, placement * odometry_[i].translation));
+    }
+  }
+  add_unchanged(knots.back(), knots.back() + 1, size());
+  return positions;
+}
+
 double ChordPrediction::ExactRmse(const std::vector<int>& knots) const {
-  return AlignedRmse(Predict(knots), server_);
+  return AlignedRmse(PredictPositions(knots), positions_);
 }
 
 Matrix6d ChordPrediction::Covariance(int from, int to) const {

@@ -15,7 +15,7 @@
 
 #include <vector>
 
-#include "Eigen/Cholesky"
+#include "Eigen/Core"
 #include "overtone/core/geometry/se3.h"
 
 namespace overtone {
@@ -51,7 +51,7 @@ class ChordPrediction {
   // order: J = [I, -p^x], H = sum J^T J, squares - moment^T H^-1 moment.
   double Rmse(const ResidualSums& sums) const;
   // That motion's tangent, H^-1 moment.
-  Vector6d Alignment(const ResidualSums& sums) const { return alignment_.solve(sums.moment); }
+  Vector6d Alignment(const ResidualSums& sums) const { return alignment_ * sums.moment; }
 
   // The poses themselves, in the server's frame up to the shift of its origin.
   std::vector<Rigid3d> Predict(const std::vector<int>& knots) const;
@@ -72,12 +72,14 @@ class ChordPrediction {
   ResidualSums Sum(int begin, int end, int max_samples, const Position& position) const;
   Vector6d Gap(int from, int to) const;     // e
   Vector6d Spread(int from, int to) const;  // (P_b - P_a)^-1 e
+  std::vector<Eigen::Vector3d> PredictPositions(const std::vector<int>& knots) const;
 
-  std::vector<Rigid3d> server_;  // about the centroid, so that levers are short
+  std::vector<Rigid3d> server_;             // about the centroid, so that levers are short
+  std::vector<Eigen::Vector3d> positions_;  // of these
   std::vector<Rigid3d> odometry_;
   std::vector<Rigid3d> server_from_odometry_;  // A
   std::vector<Matrix6d> walk_;                 // P
-  Eigen::LDLT<Matrix6d> alignment_;            // H
+  Matrix6d alignment_;                         // H^-1
 };
 
 }  // namespace overtone

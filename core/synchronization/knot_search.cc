@@ -4,72 +4,13 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
-#include <tuple>
+#include <limits>
 #include <utility>
+
+#include "overtone/core/synchronization/knot_parts.h"
 
 namespace overtone {
 namespace {
-
-// Knots whose sums are kept stretch by stretch, so that moving one costs two stretches.
-class MovingKnots {
- public:
-  MovingKnots(const ChordPrediction& prediction, const std::vector<int>& knots, int max_samples)
-      : prediction_(prediction), max_samples_(max_samples), knots_(knots) {
-    for (int gap = 0; gap <= knots_.size(); ++gap) {
-      parts_.push_back(Part(gap));
-      whole_ += parts_.back();
-    }
-    rmse_ = prediction_.Rmse(whole_);
-  }
-
-  // True when the prediction gets better by it; else nothing is changed.
-  bool Move(int k, int row) {
-    const int low = k == 0 ? -1 : knots_[k - 1];
-    const int high = k + 1 == knots_.size() ? prediction_.size() : knots_[k + 1];
-    if (row <= low || row >= high) return false;
-    const int before = std::exchange(knots_[k], row);
-    const ResidualSums left = Part(k), right = Part(k + 1);
-    ResidualSums whole = whole_;
-    (whole -= parts_[k]) -= parts_[k + 1];
-    (whole += left) += right;
-    const double rmse = prediction_.Rmse(whole);
-    if (!(rmse < rmse_ * (1 - kSmallestGain))) {
-      knots_[k] = before;
-      return false;
-    }
-    parts_[k] = left;
-    parts_[k + 1] = right;
-    whole_ = whole;
-    rmse_ = rmse;
-    return true;
-  }
-
-  // Half of the longer way to a neighbour.
-  int LargestStep(int k) const {
-    const int low = k == 0 ? 0 : knots_[k - 1];
-    const int high = k + 1 == knots_.size() ? prediction_.size() - 1 : knots_[k + 1];
-    return std::max(knots_[k] - low, high - knots_[k]) / 2;
-  }
-
-  const std::vector<int>& knots() const { return knots_; }
-
- private:
-  static constexpr double kSmallestGain = 1e-4;
-
-  // Before the first knot, between two, behind the last.
-  ResidualSums Part(int gap) const {
-    if (gap == 0) return prediction_.Before(knots_.front(), max_samples_);
-    if (gap == knots_.size()) return prediction_.Behind(knots_.back(), max_samples_);
-    return prediction_.Between(knots_[gap - 1], knots_[gap], max_samples_);
-  }
-
-  const ChordPrediction& prediction_;
-  const int max_samples_;
-  std::vector<int> knots_;
-  std::vector<ResidualSums> parts_;
-  ResidualSums whole_;
-  double rmse_ = 0;
-};
 
 // A short mission's table is small: more of each stretch can be looked at for the same work.
 KnotSearchOptions Adapted(KnotSearchOptions options, int num_nodes) {
@@ -108,94 +49,167 @@ std::vector<int> CandidateKnots(const ChordPrediction& prediction, int count) {
 KnotSearch::KnotSearch(const ChordPrediction& prediction, const KnotSearchOptions& options)
     : prediction_(prediction),
       options_(Adapted(options, prediction.size())),
-      table_(prediction, CandidateKnots(prediction, options_.max_candidates),
-             options_.samples_per_stretch) {}
+      candidates_(CandidateKnots(prediction, options_.max_candidates)) {}
 
-std::vector<int> KnotSearch::Refine(const std::vector<int>& knots) const {
+const KnotTable& KnotSearch::Table() const {
+  if (!table_.has_value()) table_.emplace(prediction_, candidates_, options_.samples_per_stretch);
+  return *table_;
+}
+
+std::vector<int> KnotSearch::Refine(const std::vector<int>& knots, int max_samples) const {
   constexpr int kMaxPasses = 4;
-  MovingKnots moving(prediction_, knots, options_.samples_in_refinement);
+  KnotParts parts(prediction_, knots, max_samples);
   bool moved = true;
   for (int pass = 0; moved && pass < kMaxPasses; ++pass) {
     moved = false;
     for (int k = 0; k < knots.size(); ++k) {
-      for (int step = moving.LargestStep(k); step > 0; step /= 2) {
-        const int row = moving.knots()[k];
-        if (moving.Move(k, row - step) || moving.Move(k, row + step)) moved = true;
+      for (int step = parts.LargestStep(k); step > 0; step /= 2) {
+        const int row = parts.knots()[k];
+        if (parts.Move(k, row - step) || parts.Move(k, row + step)) moved = true;
       }
     }
   }
-  return moving.knots();
-}
-
-KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& knots) const {
-  const double rmse_m = prediction_.ExactRmse(knots);
-  return best.knots.empty() || rmse_m < best.rmse_m ? KnotSet{knots, rmse_m} : best;
+  return parts.knots();
 }
 
 // The table knows the optimum for a given alignment, refining the best alignment for given knots.
 KnotSet KnotSearch::Alternate(std::vector<int> knots) const {
   constexpr int kMaxRounds = 6;
-  KnotSet best = Better(KnotSet(), knots);
+  constexpr double kSmallestGain = 1e-3;
+  KnotSet best = {knots, prediction_.ExactRmse(knots)};
   for (int round = 0; round < kMaxRounds; ++round) {
-    knots = Refine(knots);
-    const KnotSet refined = Better(best, knots);
-    if (round > 0 && !(refined.rmse_m < best.rmse_m)) break;
-    best = refined;
-    const ResidualSums sums = prediction_.Of(knots, options_.samples_in_refinement);
-    knots = table_.Best(best.NumChords(), prediction_.Alignment(sums)).back();
+    knots = Refine(knots, options_.samples_to_compare);
+    const double rmse_m = prediction_.ExactRmse(knots);
+    const bool enough = round > 0 && !(rmse_m < best.rmse_m * (1 - kSmallestGain));
+    if (rmse_m < best.rmse_m) best = {knots, rmse_m};
+    if (enough) break;
+    const ResidualSums sums = prediction_.Of(best.knots, options_.samples_to_compare);
+    knots = Table().Best(best.NumChords(), prediction_.Alignment(sums)).back();
     if (knots.size() != best.knots.size()) break;  // fewer candidates than that
-    best = Better(best, knots);
   }
   return best;
 }
 
-// One knot goes, and comes back where it lowers the predicted RMSE most.
+// The best of `knots` and one more of the candidates.
+void KnotSearch::OneMore(const KnotParts& knots, std::vector<int>* best,
+                         double* best_rmse_m) const {
+  int best_row = -1;
+  for (const int row : candidates_) {
+    if (std::binary_search(knots.knots().begin(), knots.knots().end(), row)) continue;
+    const double rmse_m = knots.RmseWith(row);
+    if (!(rmse_m < *best_rmse_m)) continue;
+    *best_rmse_m = rmse_m;
+    best_row = row;
+  }
+  if (best_row < 0) return;
+  *best = knots.knots();
+  best->insert(std::lower_bound(best->begin(), best->end(), best_row), best_row);
+}
+
+KnotParts KnotSearch::WithoutLeastMissed(const KnotParts& knots) const {
+  std::optional<KnotParts> best;
+  for (int gone = 0; gone < knots.knots().size(); ++gone) {
+    KnotParts fewer = knots;
+    fewer.Remove(gone);
+    if (!best.has_value() || fewer.rmse_m() < best->rmse_m()) best.emplace(std::move(fewer));
+  }
+  return *std::move(best);
+}
+
+std::vector<int> KnotSearch::OneFewer(const std::vector<int>& knots) const {
+  return WithoutLeastMissed(KnotParts(prediction_, knots, options_.samples_per_stretch)).knots();
+}
+
+// One knot goes, and comes back where it lowers the predicted RMSE most: with few chords each of
+// them in turn, else the one that is missed least.
 std::vector<int> KnotSearch::Reinsert(const std::vector<int>& knots) const {
+  const KnotParts parts(prediction_, knots, options_.samples_per_stretch);
   std::vector<int> best = knots;
-  double best_rmse_m = prediction_.Rmse(prediction_.Of(knots, options_.samples_per_stretch));
-  for (const int gone : knots) {
-    for (const int row : table_.candidates()) {
-      std::vector<int> changed = knots;
-      *std::find(changed.begin(), changed.end(), gone) = row;
-      std::sort(changed.begin(), changed.end());
-      if (std::adjacent_find(changed.begin(), changed.end()) != changed.end()) continue;
-      const double rmse_m = prediction_.Rmse(prediction_.Of(changed, options_.samples_per_stretch));
-      if (rmse_m < best_rmse_m) std::tie(best, best_rmse_m) = std::pair(changed, rmse_m);
-    }
+  double best_rmse_m = parts.rmse_m();
+  if (knots.size() > options_.max_chords_to_try_all + 1) {
+    OneMore(WithoutLeastMissed(parts), &best, &best_rmse_m);
+    return best;
   }
-  return best;
-}
-
-// The best of one chord fewer, and one knot more where it lowers the predicted RMSE most.
-std::vector<int> KnotSearch::OneMore(const std::vector<int>& knots) const {
-  std::vector<int> best;
-  double best_rmse_m = 0;
-  for (const int row : table_.candidates()) {
-    std::vector<int> more = knots;
-    const auto place = std::lower_bound(more.begin(), more.end(), row);
-    if (place != more.end() && *place == row) continue;
-    more.insert(place, row);
-    const double rmse_m = prediction_.Rmse(prediction_.Of(more, options_.samples_per_stretch));
-    if (best.empty() || rmse_m < best_rmse_m) std::tie(best, best_rmse_m) = std::pair(more, rmse_m);
+  for (int gone = 0; gone < knots.size(); ++gone) {
+    KnotParts fewer = parts;
+    fewer.Remove(gone);
+    OneMore(fewer, &best, &best_rmse_m);
   }
   return best;
 }
 
 KnotSet KnotSearch::BestOf(int num_chords, const std::vector<std::vector<int>>& starts) const {
-  KnotSet best = Alternate(table_.Best(num_chords, Vector6d::Zero()).back());
-  const auto try_from = [&](const std::vector<int>& knots) {
-    if (knots.size() != num_chords + 1) return false;
-    const KnotSet other = Alternate(knots);
-    const bool better = other.rmse_m < best.rmse_m;
-    if (better) best = other;
-    return better;
-  };
-  for (const std::vector<int>& start : starts) try_from(start);
-  if (num_chords > options_.max_chords_to_try_all) return best;
-  try_from(num_chords == 1 ? table_.BestChord(prediction_)
-                           : OneMore(BestOf(num_chords - 1, {}).knots));
-  while (try_from(Reinsert(best.knots))) continue;
+  KnotSet best = BestOf(num_chords);
+  for (const std::vector<int>& start : starts) {
+    if (start.size() == num_chords + 1) best = Better(best, start);
+  }
+  return Polished(Reinserted(best));
+}
+
+// What one refinement leaves far behind is not followed further; a start itself is a candidate.
+KnotSet KnotSearch::Better(const KnotSet& best, const std::vector<int>& start) const {
+  constexpr double kFarBehind = 1.05;
+  if (start == best.knots) return best;
+  const double start_rmse_m = prediction_.ExactRmse(start);
+  const KnotSet& better = start_rmse_m < best.rmse_m ? KnotSet{start, start_rmse_m} : best;
+  const std::vector<int> refined = Refine(start, options_.samples_to_compare);
+  if (prediction_.ExactRmse(refined) > kFarBehind * better.rmse_m) return better;
+  KnotSet other = Alternate(refined);
+  return other.rmse_m < better.rmse_m ? other : better;
+}
+
+KnotSet KnotSearch::Reinserted(KnotSet set) const {
+  constexpr int kMaxRounds = 4;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    const double before_m = set.rmse_m;
+    set = Better(set, Reinsert(set.knots));
+    if (!(set.rmse_m < before_m)) break;
+  }
+  return set;
+}
+
+KnotSet KnotSearch::Improved(const std::vector<int>& knots) const {
+  KnotSet best = {knots, prediction_.ExactRmse(knots)};
+  const std::vector<int> refined = Refine(knots, options_.samples_to_compare);
+  for (const std::vector<int>& changed :
+       {refined, Refine(Reinsert(refined), options_.samples_to_compare)}) {
+    const double rmse_m = prediction_.ExactRmse(changed);
+    if (rmse_m < best.rmse_m) best = {changed, rmse_m};
+  }
   return best;
+}
+
+KnotSet KnotSearch::Polished(const KnotSet& set) const {
+  const std::vector<int> knots = Refine(set.knots, options_.samples_in_refinement);
+  const double rmse_m = prediction_.ExactRmse(knots);
+  return rmse_m < set.rmse_m ? KnotSet{knots, rmse_m} : set;
+}
+
+const KnotSet& KnotSearch::BestOf(int num_chords) const {
+  std::optional<KnotSet>& known = known_[num_chords];
+  if (known.has_value()) return *known;
+  KnotSet best = Alternate(Table().Best(num_chords, Vector6d::Zero()).back());
+  if (num_chords <= options_.max_chords_to_try_all) {
+    std::vector<int> more;
+    if (num_chords == 1) {
+      more = Table().BestChord(prediction_);
+    } else {
+      double rmse_m = std::numeric_limits<double>::infinity();
+      OneMore(KnotParts(prediction_, BestOf(num_chords - 1).knots, options_.samples_per_stretch),
+              &more, &rmse_m);
+    }
+    if (more.size() == num_chords + 1) best = Better(best, more);
+    best = Reinserted(best);
+  }
+  return known.emplace(std::move(best));
+}
+
+std::vector<double> KnotSearch::Estimates(int max_chords) const {
+  std::vector<double> estimates;
+  for (const std::vector<int>& knots : Table().Best(max_chords, Vector6d::Zero())) {
+    estimates.push_back(prediction_.Rmse(prediction_.Of(knots, options_.samples_per_stretch)));
+  }
+  return estimates;
 }
 
 }  // namespace overtone

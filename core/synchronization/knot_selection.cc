@@ -25,27 +25,51 @@ std::vector<int> UniformKnots(const TrajectoryComparison& comparison,
 }
 
 // The fewest chords that come within the tolerance; with more than that the best of max_chords.
+// The programme's estimates, as far off as the search has found them to be, say where to look.
 KnotSet FewestKnots(const TrajectoryComparison& comparison, const SynchronizationOptions& options,
-                    const ChordPrediction& prediction) {
-  const KnotSearch search(prediction, KnotSearchOptions());
-  const auto best_of = [&](int num_chords) {
-    return search.BestOf(num_chords, {UniformKnots(comparison, options, num_chords)});
-  };
-  int most = std::min(options.selection.n, prediction.size() - 1);
-  int fewest = 1;
-  KnotSet best = best_of(most);
-  if (best.rmse_m > options.selection.tolerance_m) return best;
-  while (fewest < most) {
-    const int middle = (fewest + most) / 2;
-    KnotSet fewer = best_of(middle);
-    if (fewer.rmse_m > options.selection.tolerance_m) {
-      fewest = middle + 1;
+                    const ChordPrediction& prediction, const KnotSearch& search) {
+  const double tolerance_m = options.selection.tolerance_m;
+  int fewest = 1, most = std::min(options.selection.n, prediction.size() - 1);
+  const std::vector<double> estimates = search.Estimates(most);
+  double found_over_estimate = 1;
+  KnotSet best;
+  bool within = false;
+  while (fewest <= most) {
+    int chords = fewest;
+    // Beyond the candidates there is no estimate, and no better answer than with all of them.
+    const auto estimate = [&] { return estimates[std::min<size_t>(chords, estimates.size()) - 1]; };
+    while (chords < most && estimate() * found_over_estimate > tolerance_m) ++chords;
+    KnotSet found = search.BestOf(chords, {UniformKnots(comparison, options, chords)});
+    if (estimate() > 0) found_over_estimate = found.rmse_m / estimate();
+    if (found.rmse_m > tolerance_m) {
+      fewest = chords + 1;
+      if (!within) best = std::move(found);
     } else {
-      most = middle;
-      best = std::move(fewer);
+      most = chords - 1;
+      best = std::move(found);
+      within = true;
     }
   }
   return best;
+}
+
+// Whether knots in force are better than none and as many as they should be, and no small change of
+// them gains enough.
+bool StillServe(const std::vector<int>& known, const SynchronizationOptions& options,
+                const ChordPrediction& prediction, double without_m, const KnotSearch& search) {
+  const double tolerance_m = options.selection.tolerance_m;
+  const int chords = static_cast<int>(known.size()) - 1;
+  const int most = std::min(options.selection.n, prediction.size() - 1);
+  if (chords < 1 || chords > most) return false;
+  const double rmse_m = prediction.ExactRmse(known);
+  if (!(rmse_m < without_m) || (rmse_m > tolerance_m && chords < most)) return false;
+  const KnotSet improved = search.Improved(known);
+  if (rmse_m - improved.rmse_m > kToleratedLoss * std::max(tolerance_m, improved.rmse_m)) {
+    return false;
+  }
+  // With one to spare, fewer may do.
+  if (improved.rmse_m > tolerance_m || chords == 1) return true;
+  return search.Improved(search.OneFewer(improved.knots)).rmse_m > tolerance_m;
 }
 
 Constraint KnotChord(const TrajectoryComparison& comparison, const ChordPrediction& prediction,
@@ -108,14 +132,13 @@ std::vector<Constraint> SelectKnots(const TrajectoryComparison& comparison,
   const double tolerance_m = options.selection.tolerance_m;
   const double without_m = prediction.ExactRmse({});
   if (without_m <= tolerance_m) return {};
-  const KnotSet best = FewestKnots(comparison, options, prediction);
-  if (!(best.rmse_m < without_m)) return {};
-
-  std::vector<int> knots = best.knots;
-  const std::vector<int> known = KnotRows(comparison, context.active);
-  if (!known.empty()) {
-    knots =
-        UpdateKnots(prediction, known, best, kToleratedLoss * std::max(tolerance_m, best.rmse_m));
+  const KnotSearch search(prediction, KnotSearchOptions());
+  std::vector<int> knots = KnotRows(comparison, context.active);
+  if (!StillServe(knots, options, prediction, without_m, search)) {
+    const KnotSet best = FewestKnots(comparison, options, prediction, search);
+    if (!(best.rmse_m < without_m)) return {};
+    const double allowed_m = kToleratedLoss * std::max(tolerance_m, best.rmse_m);
+    knots = knots.empty() ? best.knots : UpdateKnots(prediction, knots, best, allowed_m);
   }
   std::vector<Constraint> chords;
   for (int k = 1; k < knots.size(); ++k) {

@@ -18,7 +18,12 @@ namespace overtone {
 // Chords between consecutive knots, all that should be in force: those of context.active that are
 // not among them have been superseded. None where odometry alone is within selection.tolerance_m of
 // the server's estimate; else as few as come within it, and at most selection.n. Knots that are in
-// force stay unless moving them gains more than a tenth of what is left, or of the tolerance.
+// force stay unless moving them gains more than a tenth of what is left, or of the tolerance;
+// whether it does is first asked of small changes of them, and only where one does (or where there
+// are too many or too few) of the whole mission.
+//
+// O(nodes), with a large constant: a search looks at a bounded number of candidates and samples,
+// some ten to thirty times at all nodes. Knots that stay cost a sixth of a search.
 //
 // A chord's standard deviations are those of the options, but no more than a thirtieth of
 // odometry's over the chord (per axis): the server's estimate has the robot's odometry in it

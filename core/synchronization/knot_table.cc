@@ -2,11 +2,25 @@
 #include "overtone/core/synchronization/knot_table.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 #include <utility>
 
 namespace overtone {
 namespace {
+
+// A long stretch is much like one whose ends are a candidate off: only every second one of each end
+// is looked at.
+bool IsPossible(int from, int to) {
+  constexpr int kLong = 20;  // candidates
+  return to - from <= kLong || (from % 2 == 0 && to % 2 == 0);
+}
+
+ResidualSums Impossible() {
+  ResidualSums sums;
+  sums.squares = std::numeric_limits<double>::infinity();
+  return sums;
+}
 
 double Cost(const ResidualSums& sums, const Vector6d& alignment) {
   return sums.squares - 2 * sums.moment.dot(alignment);
@@ -28,7 +42,9 @@ KnotTable::KnotTable(const ChordPrediction& prediction, std::vector<int> candida
     behind_.push_back(prediction.Behind(candidates_[to], max_samples));
     between_[to].reserve(to);
     for (int from = 0; from < to; ++from) {
-      between_[to].push_back(prediction.Between(candidates_[from], candidates_[to], max_samples));
+      between_[to].push_back(
+          IsPossible(from, to) ? prediction.Between(candidates_[from], candidates_[to], max_samples)
+                               : Impossible());
     }
   }
 }

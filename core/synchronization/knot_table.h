@@ -17,7 +17,8 @@ namespace overtone {
 class KnotTable {
  public:
   // candidates: rows, strictly increasing, at least two. At most `max_samples` nodes of each
-  // stretch are looked at; 0: all. O(candidates^2 max_samples).
+  // stretch are looked at; 0: all. Stretches over more than 20 candidates begin and end at every
+  // second one. O(candidates^2 max_samples).
   KnotTable(const ChordPrediction& prediction, std::vector<int> candidates, int max_samples);
 
   const std::vector<int>& candidates() const { return candidates_; }

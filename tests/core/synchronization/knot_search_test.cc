@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "overtone/core/synchronization/knot_parts.h"
 #include "overtone/core/synchronization/knot_table.h"
 #include "overtone/core/synchronization/knot_update.h"
 #include "overtone/tests/support/drifting_mission.h"
@@ -97,6 +98,45 @@ TEST(CandidateKnots, HoldBothEndsAndTheLargestSteps) {
     EXPECT_TRUE(std::binary_search(candidates.begin(), candidates.end(), row)) << row;
   }
   EXPECT_EQ(CandidateKnots(Prediction(MakeDriftingMission(20, 1)), 60).size(), 20);
+}
+
+// What is kept stretch by stretch is what a sum over all of them gives, whatever was changed.
+TEST(KnotParts, AreTheWholeAfterEveryChange) {
+  const ChordPrediction prediction = Prediction(MakeDriftingMission(200, /*seed=*/10));
+  const auto rmse_of = [&](const std::vector<int>& knots) {
+    return prediction.Rmse(prediction.Of(knots, 0));
+  };
+  KnotParts parts(prediction, {20, 60, 61, 150}, 0);
+  EXPECT_NEAR(parts.rmse_m(), rmse_of({20, 60, 61, 150}), 1e-12);
+  for (const int row : {3, 40, 100, 199}) {
+    std::vector<int> more = parts.knots();
+    more.insert(std::lower_bound(more.begin(), more.end(), row), row);
+    EXPECT_NEAR(parts.RmseWith(row), rmse_of(more), 1e-12) << row;
+  }
+  EXPECT_FALSE(parts.Move(1, 61));
+  EXPECT_FALSE(parts.Move(3, 200));
+  int num_moved = 0;
+  for (const int row : {70, 90, 110, 130}) num_moved += parts.Move(2, row);
+  EXPECT_GT(num_moved, 0);
+  EXPECT_NEAR(parts.rmse_m(), rmse_of(parts.knots()), 1e-12);
+  for (const int k : {3, 0, 1}) {
+    parts.Remove(k);
+    EXPECT_NEAR(parts.rmse_m(), rmse_of(parts.knots()), 1e-12) << k;
+  }
+  EXPECT_EQ(parts.knots().size(), 1);
+}
+
+TEST(KnotSearch, TakesAWastedKnotToWhereItHelps) {
+  const ChordPrediction prediction = Prediction(MakeDriftingMission(300, /*seed=*/9));
+  const KnotSearch search(prediction, KnotSearchOptions());
+  const KnotSet best = search.BestOf(7, {});
+  EXPECT_LE(search.Improved(best.knots).rmse_m, best.rmse_m);
+  std::vector<int> wasteful = best.knots;
+  wasteful[3] = wasteful[2] + 1;
+  EXPECT_LE(search.Improved(wasteful).rmse_m, 1.1 * best.rmse_m);
+  EXPECT_GT(prediction.ExactRmse(wasteful), 1.1 * best.rmse_m);
+  EXPECT_EQ(search.OneFewer(wasteful).size(), 7);
+  EXPECT_LE(prediction.ExactRmse(search.OneFewer(wasteful)), 1.1 * prediction.ExactRmse(wasteful));
 }
 
 TEST(UpdateKnots, KeepsKnotsThatAreNearEnoughAndElseChangesFew) {

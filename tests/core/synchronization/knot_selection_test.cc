@@ -87,6 +87,28 @@ TEST(SelectKnots, KnotsInForceStayWhileTheyAreNearEnough) {
   EXPECT_EQ(SelectKnots(ComparisonOf(next), Options(5, 0.01), context).size(), 5);
 }
 
+// Knots in force are not the end of it: what moved the mission since is corrected where it is, and
+// chords that are no longer needed go.
+TEST(SelectKnots, KnotsInForceGoWhereTheDriftIs) {
+  DriftingMission mission = MakeDriftingMission(240, /*seed=*/7);
+  SelectionContext context = {{}, mission.step_covariance, {}};
+  context.active = SelectKnots(ComparisonOf(mission), Options(8, 0), context);
+  DriftingMission slipped = mission;
+  slipped.Slip(101, Rigid3d(ExpSO3({0, 0, 0.5}), Eigen::Vector3d(2, 0, 0)));
+  const double found_m =
+      PredictedRmse(slipped, SelectKnots(ComparisonOf(slipped), Options(8, 0), context));
+  const double anew_m = PredictedRmse(slipped, SelectKnots(ComparisonOf(slipped), Options(8, 0),
+                                                           {{}, mission.step_covariance, {}}));
+  EXPECT_GT(PredictedRmse(slipped, context.active), 2 * anew_m);
+  EXPECT_LE(found_m, 1.21 * anew_m);
+
+  const SynchronizationOptions lenient = Options(8, 0.4);
+  const size_t enough =
+      SelectKnots(ComparisonOf(mission), lenient, {{}, mission.step_covariance, {}}).size();
+  ASSERT_LT(enough, 8);
+  EXPECT_EQ(SelectKnots(ComparisonOf(mission), lenient, context).size(), enough);
+}
+
 TEST(SelectKnots, AChordIsStifferThanTheOdometryItBridges) {
   const DriftingMission mission = MakeDriftingMission(200, /*seed=*/8);
   const SelectionContext context = {{}, mission.step_covariance, {}};

@@ -26,6 +26,18 @@ TEST(SmallMotion, IsExpAndItsRightJacobianAtEverySize) {
   }
 }
 
+// On both sides of 0.2 rad, where the series end.
+TEST(MovedBy, IsExpAppliedToAPoint) {
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (const double angle : {0.0, 1e-8, 1e-3, 0.1, 0.19999, 0.20001, 0.5, 1.5, 3.0, 4.0}) {
+    Vector6d xi = Vector6d::NullaryExpr([&] { return normal(random); });
+    xi.tail<3>() *= angle / xi.tail<3>().norm();
+    const Eigen::Vector3d point(100, -20, 3);
+    EXPECT_LT((MovedBy(xi, point) - Exp(xi) * point).norm(), 1e-12) << angle;
+  }
+}
+
 TEST(CongruenceSum, IsThatOfTheFullMatrices) {
   std::mt19937 random(2);
   std::normal_distribution<double> normal;
