@@ -11,28 +11,28 @@ quick=
 if [ "${1-}" = --quick ]; then quick=1; shift; fi
 out=${1:-build/benchmark}
 
-# A line a program; behind it what --quick leaves it.
+# A line a program: how often it runs (of CPU times the smallest counts), and what --quick leaves of it.
 programs='
-trajectory_comparison  nodes:(200|1000|5000)/
-onboard_estimator      BM_ApplyFifteenConstraints/poses:(1000|5000|20000)/
-map_cycle              keyframes:(1000|10000)/
-spectral               /(200|1000|5000)$
-fan_out                nodes:(200|2000)/.*own:0
-downlink               own:
-upload_throughput      robots:8/
+trajectory_comparison  3  nodes:(200|1000|5000)/
+onboard_estimator      3  BM_ApplyFifteenConstraints/poses:(1000|5000|20000)/
+map_cycle              1  keyframes:(1000|10000)/
+spectral               3  /(200|1000|5000)$
+fan_out                1  nodes:(200|2000)/.*own:0
+downlink               1  own:
+upload_throughput      1  robots:8/
 '
 
 targets=$(echo "$programs" | awk 'NF { print $1 "_benchmark" }')
+mkdir -p "$out"
+rm -f "$out"/*.json  # of another run
 cmake --preset dev >/dev/null
 # shellcheck disable=SC2086
-nice cmake --build build/dev --target $targets >/dev/null
-rm -rf "$out"
-mkdir -p "$out"
-echo "$programs" | while read -r program filter; do
+nice cmake --build build/dev --target $targets >"$out/build.txt" || { tail -30 "$out/build.txt"; exit 1; }
+echo "$programs" | while read -r program repetitions filter; do
   [ -n "$program" ] || continue
   echo "== $program: $(uptime | sed 's/.*load/load/')"
   "build/dev/benchmark/${program}_benchmark" --benchmark_filter="${quick:+$filter}" \
-    --benchmark_out="$out/$program.json" --benchmark_out_format=json </dev/null >"$out/$program.txt" 2>&1 ||
+    --benchmark_repetitions="${repetitions}" --benchmark_out="$out/$program.json" --benchmark_out_format=json </dev/null >"$out/$program.txt" 2>&1 ||
     { tail "$out/$program.txt"; exit 1; }
 done
 if [ -n "$quick" ]; then
