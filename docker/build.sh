@@ -12,8 +12,7 @@ jobs=$(awk -v cores="$(nproc)" '/MemAvailable/ { n = int($2 / 1500000); print n 
 
 tests=OFF
 [ "${TESTS:-}" != ON ] || tests=ON
-# What is made with precompiled headers no cache keeps.
-cmake --preset "$preset" -DOVERTONE_BUILD_TESTS=$tests -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null
+cmake --preset "$preset" -DOVERTONE_BUILD_TESTS=$tests >/dev/null
 cmake --build --preset "$preset" --parallel "$jobs" --target "$@"
 if [ $tests = ON ]; then
   cmake --build --preset "$preset" --parallel "$jobs"

@@ -4,7 +4,7 @@
 #   docker/install_packages.sh client server
 set -eu
 list=$(dirname "$0")/packages.txt
-[ $# -gt 0 ] || { echo "usage: $0 GROUP...   (groups: client server test sanitize lint prometheus container)" >&2; exit 2; }
+[ $# -gt 0 ] || { echo "usage: $0 GROUP...   (groups: client server test sanitize lint benchmark prometheus container)" >&2; exit 2; }
 
 missing=""
 for group in "$@"; do

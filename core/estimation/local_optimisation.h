@@ -20,8 +20,9 @@ namespace overtone {
 struct LocalOptimisationOptions {
   // All is at rest when moving each pose alone would lower the cost by less than this share of it,
   // all of them together and times the reach so far: over a border at that distance poses gain by
-  // moving together up to so many times what they gain alone.
-  double rest_share = 3e-7;
+  // moving together up to so many times what they gain alone. What cycles leave adds up until the
+  // whole is solved: to a few times this share.
+  double rest_share = 1.5e-7;
   // Edges between what is not at rest and the border, at first.
   int first_reach = 4;
   // Of the poses: with more active ones the whole is solved.

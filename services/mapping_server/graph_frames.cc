@@ -71,7 +71,8 @@ GraphFrames::GraphFrames(std::string map, uint64_t first_epoch, const ServerOpti
       first_epoch_(first_epoch),
       graph_options_(options.graph),
       options_(options.publisher),
-      max_message_bytes_(options.limits.max_message_bytes) {}
+      max_message_bytes_(options.limits.max_message_bytes),
+      max_variants_(options.limits.max_watchers_per_map) {}
 
 void GraphFrames::SetSnapshot(std::shared_ptr<const MapSnapshot> snapshot) {
   snapshot_ = std::move(snapshot);
@@ -124,7 +125,6 @@ grpc::ByteBuffer GraphFrames::Heartbeat() const {
 }
 
 absl::StatusOr<GraphFrames::Variant*> GraphFrames::Updated(const GraphQuery& query) {
-  if (variants_.count(query) == 0) MakeRoom();
   Variant& variant = variants_[query];
   variant.last_use = ++uses_;
   const bool current = !variant.history.empty() &&
@@ -132,10 +132,17 @@ absl::StatusOr<GraphFrames::Variant*> GraphFrames::Updated(const GraphQuery& que
                        variant.history.back().revision == position().revision;
   if (current) return &variant;
 
+  MakeRoom();
   ASSIGN_OR_RETURN(const MapGraph exact, Build(query));
   const MapGraph& previous = variant.history.empty() ? MapGraph() : variant.history.back();
   variant.history.push_back(PublishedGraph(exact, previous, options_.tolerance, options_.units));
-  if (variant.history.size() > static_cast<size_t>(options_.history)) variant.history.pop_front();
+  int64_t more_nodes = variant.history.back().NumNodes();
+  if (variant.history.size() > static_cast<size_t>(options_.history)) {
+    more_nodes -= variant.history.front().NumNodes();
+    variant.history.pop_front();
+  }
+  variant.nodes += more_nodes;
+  nodes_ += more_nodes;
   variant.frames.clear();
   return &variant;
 }
@@ -160,10 +167,25 @@ absl::StatusOr<MapGraph> GraphFrames::Build(const GraphQuery& query) const {
 }
 
 void GraphFrames::MakeRoom() {
-  if (variants_.size() < static_cast<size_t>(options_.max_variants)) return;
-  variants_.erase(std::min_element(
-      variants_.begin(), variants_.end(),
-      [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; }));
+  while (variants_.size() > 1 && (nodes_ > NodesToKeep() || variants_.size() > max_variants_)) {
+    const auto oldest = std::min_element(
+        variants_.begin(), variants_.end(),
+        [](const auto& a, const auto& b) { return a.second.last_use < b.second.last_use; });
+    nodes_ -= oldest->second.nodes;
+    variants_.erase(oldest);
+  }
+}
+
+int64_t GraphFrames::NodesToKeep() const {
+  int64_t keyframes = 0;
+  if (snapshot_ != nullptr) {
+    for (const SnapshotMission& mission : snapshot_->missions) {
+      keyframes += static_cast<int64_t>(mission.keyframes.size());
+    }
+  }
+  const int64_t graphs = int64_t{options_.max_variants} * graph_options_.max_nodes;
+  // Every robot's own nodes, and as many again.
+  return options_.history * std::max(graphs, 2 * keyframes);
 }
 
 GraphFormat GraphFrames::Format(const GraphQuery& query, GraphEncoding encoding) const {

@@ -70,6 +70,7 @@ class GraphFrames {
  private:
   struct Variant {
     std::deque<MapGraph> history;  // as published, newest last
+    int64_t nodes = 0;             // in the history
     uint64_t last_use = 0;
     // Of the newest revision, by encoding and base revision (0: snapshot).
     std::map<std::pair<GraphEncoding, uint64_t>, grpc::ByteBuffer> frames;
@@ -78,7 +79,9 @@ class GraphFrames {
   // The variant, with the newest revision at the end of its history.
   absl::StatusOr<Variant*> Updated(const GraphQuery& query);
   absl::StatusOr<MapGraph> Build(const GraphQuery& query) const;
+  // Forgets the variants that were not used for longest, never the one in use.
   void MakeRoom();
+  int64_t NodesToKeep() const;
   GraphFormat Format(const GraphQuery& query, GraphEncoding encoding) const;
 
   const std::string map_;
@@ -86,8 +89,10 @@ class GraphFrames {
   const GraphMonitorOptions graph_options_;
   const PublisherOptions options_;
   const int64_t max_message_bytes_;
+  const size_t max_variants_;                    // as many as can be watched at once
   std::shared_ptr<const MapSnapshot> snapshot_;  // null before the first
   std::map<GraphQuery, Variant> variants_;
+  int64_t nodes_ = 0;  // of all variants
   uint64_t uses_ = 0;
 };
 

@@ -57,7 +57,9 @@ struct PublisherOptions {
   double heartbeat_s = 5.0;
   // Revisions kept for deltas: a reader that falls further behind gets a snapshot.
   int history = 8;
-  // Different node limits, robots and edges that readers ask for and the server keeps ready.
+  // Graphs of graph.max_nodes nodes kept ready for what readers ask for: node limits, robots,
+  // edges. Smaller ones count by their nodes; in a large map two nodes for each keyframe are kept,
+  // so that every robot can be sent its own.
   int max_variants = 16;
   PublicationTolerance tolerance;
   ColumnUnits units;
