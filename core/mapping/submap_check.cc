@@ -38,8 +38,10 @@ absl::Status CheckPose(const Rigid3d& pose, absl::string_view field) {
 
 absl::Status CheckPointCovariance(const Eigen::Matrix3d& covariance, absl::string_view field) {
   const bool symmetric = covariance.allFinite() && covariance.isApprox(covariance.transpose());
-  if (symmetric && covariance.llt().info() == Eigen::Success &&
-      Eigen::Matrix3d(covariance.inverse()).llt().info() == Eigen::Success) {
+  const Eigen::Matrix3d information = covariance.inverse();
+  // LLT takes a pivot that is NaN for a good one.
+  if (symmetric && information.allFinite() && covariance.llt().info() == Eigen::Success &&
+      information.llt().info() == Eigen::Success) {
     return absl::OkStatus();
   }
   return Invalid(field, "not symmetric positive definite");

@@ -51,6 +51,8 @@ template <typename Matrix>
 bool IsPositiveDefinite(const Matrix& covariance) {
   const auto scale = covariance.diagonal().cwiseSqrt().cwiseInverse().eval();
   const Matrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  // One so far above 1 is none, and might overflow: LLT takes a pivot that is NaN for a good one.
+  if (!(correlation.array().abs() < 2).all()) return false;
   const Matrix shifted = correlation - limits::kMinCorrelationEigenvalue * Matrix::Identity();
   return Eigen::LLT<Matrix>(shifted).info() == Eigen::Success;
 }
