@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/estimation/square_root_information.h"
+#include "overtone/core/geometry/positive_definite.h"
 
 namespace overtone {
 namespace {
@@ -39,9 +40,7 @@ absl::Status CheckPose(const Rigid3d& pose, absl::string_view field) {
 absl::Status CheckPointCovariance(const Eigen::Matrix3d& covariance, absl::string_view field) {
   const bool symmetric = covariance.allFinite() && covariance.isApprox(covariance.transpose());
   const Eigen::Matrix3d information = covariance.inverse();
-  // LLT takes a pivot that is NaN for a good one.
-  if (symmetric && information.allFinite() && covariance.llt().info() == Eigen::Success &&
-      information.llt().info() == Eigen::Success) {
+  if (symmetric && IsPositiveDefinite(covariance) && IsPositiveDefinite(information)) {
     return absl::OkStatus();
   }
   return Invalid(field, "not symmetric positive definite");
@@ -51,7 +50,7 @@ absl::Status CheckCovariance(const Matrix6d& covariance, absl::string_view field
   if (!covariance.allFinite()) return Invalid(field, "not finite");
   // Both must factorise: a covariance may be so small or so ill-conditioned that its inverse is
   // useless.
-  if (covariance.llt().info() != Eigen::Success || !SquareRootInformation(covariance).ok() ||
+  if (!IsPositiveDefinite(covariance) || !SquareRootInformation(covariance).ok() ||
       !SquareRootInformation(Matrix6d(covariance.inverse())).ok()) {
     return Invalid(field, "not symmetric positive definite");
   }
