@@ -6,6 +6,7 @@
 #include "Eigen/Cholesky"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/core/geometry/positive_definite.h"
 
 namespace overtone {
 namespace {
@@ -51,7 +52,7 @@ absl::Status PairwiseConsistency::Add(const InterMissionClosure& closure,
                                       const UncertainTrajectory& a, const UncertainTrajectory& b) {
   RETURN_IF_ERROR(CheckPosition("from", closure.from, a));
   RETURN_IF_ERROR(CheckPosition("to", closure.to, b));
-  if (!closure.covariance.allFinite() || closure.covariance.llt().info() != Eigen::Success) {
+  if (!closure.covariance.allFinite() || !IsPositiveDefinite(closure.covariance)) {
     return absl::InvalidArgumentError("covariance is not positive definite");
   }
   closures_.push_back(closure);

@@ -24,7 +24,10 @@ absl::StatusOr<Square<kSize>> Factorise(const Square<kSize>& information) {
     return absl::InvalidArgumentError("information matrix is not symmetric");
   }
   const Eigen::LLT<Square<kSize>> cholesky(information);
-  if (cholesky.info() == Eigen::Success) return Square<kSize>(cholesky.matrixU());
+  // LLT takes a pivot that is NaN, after an overflow, for a good one.
+  if (cholesky.info() == Eigen::Success && cholesky.matrixLLT().allFinite()) {
+    return Square<kSize>(cholesky.matrixU());
+  }
   const Eigen::SelfAdjointEigenSolver<Square<kSize>> eigen(information);
   const auto& values = eigen.eigenvalues();
   if (eigen.info() != Eigen::Success || values(0) < -kNegativeEigenvalueTolerance * scale) {

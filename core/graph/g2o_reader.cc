@@ -4,7 +4,6 @@
 #include <map>
 #include <optional>
 
-#include "Eigen/Cholesky"
 #include "absl/strings/escaping.h"
 #include "absl/strings/str_cat.h"
 #include "absl/strings/str_split.h"
@@ -12,6 +11,7 @@
 #include "overtone/core/common/parse_number.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/geometry/parse_pose.h"
+#include "overtone/core/geometry/positive_definite.h"
 #include "overtone/core/graph/g2o_io.h"
 
 namespace overtone {
@@ -30,7 +30,7 @@ absl::StatusOr<Eigen::MatrixXd> ParseInformation(Fields fields, int dimension) {
       information(row, col) = information(col, row) = *value++;
     }
   }
-  if (information.llt().info() != Eigen::Success) {
+  if (!IsPositiveDefinite(information)) {
     return absl::InvalidArgumentError("the information matrix is not positive definite");
   }
   return information;

@@ -10,6 +10,7 @@
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
 #include "overtone/core/estimation/square_root_information.h"
+#include "overtone/core/geometry/positive_definite.h"
 
 namespace overtone {
 namespace {
@@ -38,8 +39,8 @@ absl::Status CheckPose(const Rigid3d& pose, absl::string_view field) {
 
 absl::Status CheckPointCovariance(const Eigen::Matrix3d& covariance, absl::string_view field) {
   const bool symmetric = covariance.allFinite() && covariance.isApprox(covariance.transpose());
-  if (symmetric && covariance.llt().info() == Eigen::Success &&
-      Eigen::Matrix3d(covariance.inverse()).llt().info() == Eigen::Success) {
+  const Eigen::Matrix3d information = covariance.inverse();
+  if (symmetric && IsPositiveDefinite(covariance) && IsPositiveDefinite(information)) {
     return absl::OkStatus();
   }
   return Invalid(field, "not symmetric positive definite");
@@ -49,7 +50,7 @@ absl::Status CheckCovariance(const Matrix6d& covariance, absl::string_view field
   if (!covariance.allFinite()) return Invalid(field, "not finite");
   // Both must factorise: a covariance may be so small or so ill-conditioned that its inverse is
   // useless.
-  if (covariance.llt().info() != Eigen::Success || !SquareRootInformation(covariance).ok() ||
+  if (!IsPositiveDefinite(covariance) || !SquareRootInformation(covariance).ok() ||
       !SquareRootInformation(Matrix6d(covariance.inverse())).ok()) {
     return Invalid(field, "not symmetric positive definite");
   }

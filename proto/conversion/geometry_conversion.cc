@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "Eigen/Cholesky"
 #include "absl/strings/str_cat.h"
 #include "overtone/core/common/status_macros.h"
+#include "overtone/core/geometry/positive_definite.h"
 #include "overtone/proto/conversion/field_path.h"
 #include "overtone/proto/conversion/limits.h"
 
@@ -48,11 +48,11 @@ absl::Status ValidateVariances(const Matrix& covariance) {
 
 // Tests the correlation matrix, whose scale does not depend on units: metres^2 beside rad^2.
 template <typename Matrix>
-bool IsPositiveDefinite(const Matrix& covariance) {
+bool IsWellCorrelated(const Matrix& covariance) {
   const auto scale = covariance.diagonal().cwiseSqrt().cwiseInverse().eval();
   const Matrix correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const Matrix shifted = correlation - limits::kMinCorrelationEigenvalue * Matrix::Identity();
-  return Eigen::LLT<Matrix>(shifted).info() == Eigen::Success;
+  return IsPositiveDefinite(
+      Matrix(correlation - limits::kMinCorrelationEigenvalue * Matrix::Identity()));
 }
 
 template <typename Matrix>
@@ -83,7 +83,7 @@ absl::StatusOr<Matrix> ReadTriangle(const Triangle& triangle) {
     }
   }
   RETURN_IF_ERROR(ValidateVariances(covariance));
-  if (!IsPositiveDefinite(covariance)) {
+  if (!IsWellCorrelated(covariance)) {
     return InvalidField("upper_triangle", "not positive definite");
   }
   return covariance;

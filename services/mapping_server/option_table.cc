@@ -158,11 +158,14 @@ std::vector<Option> OptionTable(ServerOptions& options) {
   };
 }
 
-std::vector<std::string> OptionKeys() {
-  ServerOptions options;
-  std::vector<std::string> keys;
-  for (const Option& option : OptionTable(options)) keys.push_back(option.key);
-  return keys;
+const std::vector<std::string>& OptionKeys() {
+  static const auto* const keys = [] {
+    ServerOptions options;
+    auto* all = new std::vector<std::string>();
+    for (const Option& option : OptionTable(options)) all->push_back(option.key);
+    return all;
+  }();
+  return *keys;
 }
 
 std::map<std::string, std::string> OptionValues(ServerOptions options) {

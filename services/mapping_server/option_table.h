@@ -23,7 +23,7 @@ struct Option {
 // outlive it. A new option is a line here and a paragraph there.
 std::vector<Option> OptionTable(ServerOptions& options);
 
-std::vector<std::string> OptionKeys();
+const std::vector<std::string>& OptionKeys();
 
 // Every key with its value as the file would say it.
 std::map<std::string, std::string> OptionValues(ServerOptions options);

@@ -2,6 +2,7 @@
 #include "overtone/services/mapping_server/suggestion.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 #include "absl/strings/match.h"
@@ -10,42 +11,57 @@
 namespace overtone {
 namespace {
 
-constexpr size_t kLongestName = 200;  // the distance to anything longer is not worth its time
-
 absl::string_view LastPart(absl::string_view name) {
   const size_t dot = name.rfind('.');
   return dot == absl::string_view::npos ? name : name.substr(dot + 1);
 }
 
-int Distance(absl::string_view wanted, absl::string_view known) {
-  const int whole = EditDistance(wanted, known);
-  const int last_part = EditDistance(LastPart(wanted), LastPart(known)) + 1;
-  const bool shortened = !wanted.empty() && absl::EndsWith(known, absl::StrCat("_", wanted));
-  return std::min({whole, last_part, shortened ? 1 : whole});
+// From here on a name is another one.
+int LimitFor(absl::string_view wanted) {
+  return std::max<int>(2, static_cast<int>(wanted.size() / 3)) + 1;
+}
+
+// `limit` when it is not below that.
+int Distance(absl::string_view wanted, absl::string_view known, int limit) {
+  if (!wanted.empty() && absl::EndsWith(known, absl::StrCat("_", wanted))) return 1;
+  const int whole = EditDistance(wanted, known, limit);
+  const absl::string_view part = LastPart(wanted);
+  const int part_limit = std::min(whole - 1, LimitFor(part));
+  const int last_part = EditDistance(part, LastPart(known), part_limit);
+  return last_part < part_limit ? last_part + 1 : whole;
 }
 
 }  // namespace
 
-int EditDistance(absl::string_view a, absl::string_view b) {
+int EditDistance(absl::string_view a, absl::string_view b, int limit) {
+  const int a_size = static_cast<int>(a.size());
+  const int b_size = static_cast<int>(b.size());
+  if (std::abs(a_size - b_size) >= limit) return limit;
   std::vector<int> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
-  for (size_t i = 0; i < a.size(); ++i) {
-    int diagonal = row[0]++;
-    for (size_t j = 0; j < b.size(); ++j) {
+  for (int i = 0; i < a_size; ++i) {
+    // Elsewhere prefixes differ by `limit` in their length alone.
+    const int from = std::max(0, i + 1 - limit);
+    const int to = std::min(b_size, i + limit);
+    int diagonal = row[from];
+    row[from] = from == 0 ? i + 1 : limit;
+    int smallest = row[from];
+    for (int j = from; j < to; ++j) {
       const int replaced = diagonal + (a[i] != b[j]);
       diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+      row[j + 1] = std::min(replaced, std::min(row[j], diagonal) + 1);
+      smallest = std::min(smallest, row[j + 1]);
     }
+    if (smallest >= limit) return limit;
   }
-  return row.back();
+  return std::min(row.back(), limit);
 }
 
 std::string NearestName(absl::string_view wanted, const std::vector<std::string>& known) {
-  if (wanted.size() > kLongestName) return "";
-  int smallest = std::max<int>(2, static_cast<int>(wanted.size() / 3)) + 1;
+  int smallest = LimitFor(wanted);
   absl::string_view nearest;
   for (const std::string& name : known) {
-    const int distance = Distance(wanted, name);
+    const int distance = Distance(wanted, name, smallest);
     if (distance >= smallest) continue;
     smallest = distance;
     nearest = name;

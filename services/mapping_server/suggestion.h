@@ -10,12 +10,13 @@
 
 namespace overtone {
 
-// Insertions, deletions and replacements (Levenshtein).
-int EditDistance(absl::string_view a, absl::string_view b);
+// Insertions, deletions and replacements (Levenshtein), or `limit` when there are no fewer: it is
+// given up as soon as that is certain, for names of very different lengths at once.
+int EditDistance(absl::string_view a, absl::string_view b, int limit);
 
 // The known name nearest to `wanted`; empty when none is near: more than a third of it would have
 // to change, and it is not a known name without its section ("max_nodes") or in another one
-// ("map.max_nodes").
+// ("map.max_nodes"), of which again no more than a third may have to change.
 std::string NearestName(absl::string_view wanted, const std::vector<std::string>& known);
 
 // "; did you mean 'NAME'?", or nothing when there is none.

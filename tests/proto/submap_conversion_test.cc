@@ -62,6 +62,14 @@ TEST(GeometryConversion, ASemiDefiniteCovarianceIsRefusedAtAnyScale) {
   }
 }
 
+// Its correlation is beyond a double, which makes NaNs of the pivots after it.
+TEST(GeometryConversion, ACovarianceFarBeyondItsVariancesIsRefused) {
+  Matrix6d covariance = 0.001 * Matrix6d::Identity();
+  covariance(0, 1) = covariance(1, 0) = 0.0001;
+  covariance(0, 4) = covariance(4, 0) = -4e306;
+  EXPECT_FALSE(FromProto(ToProto(covariance)).ok());
+}
+
 TEST(SubmapConversion, ASubmapSurvivesTheRoundTrip) {
   Submap submap = MakeSubmap(2, 20, 7);
   submap.keyframes[4].degenerate = true;

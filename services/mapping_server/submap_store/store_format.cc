@@ -62,14 +62,20 @@ absl::StatusOr<std::string> SchemaOf(SqliteDatabase* database) {
   return schema;
 }
 
-// A schema is code: SQLite would run the triggers and views of a file that somebody else made.
-absl::Status CheckSchema(SqliteDatabase* database) {
+// That of an empty store.
+absl::StatusOr<std::string> ReferenceSchema() {
   ASSIGN_OR_RETURN(const auto reference,
                    SqliteDatabase::Open(":memory:", SqliteDatabase::Mode::kCreate));
   for (int i = 0; i < kStoreFormatVersion; ++i) RETURN_IF_ERROR(Migrate(reference.get(), i));
-  ASSIGN_OR_RETURN(const std::string expected, SchemaOf(reference.get()));
+  return SchemaOf(reference.get());
+}
+
+// A schema is code: SQLite would run the triggers and views of a file that somebody else made.
+absl::Status CheckSchema(SqliteDatabase* database) {
+  static const auto* const reference = new absl::StatusOr<std::string>(ReferenceSchema());
+  RETURN_IF_ERROR(reference->status());
   ASSIGN_OR_RETURN(const std::string found, SchemaOf(database));
-  if (found != expected) return absl::DataLossError("the tables are not those of a store");
+  if (found != **reference) return absl::DataLossError("the tables are not those of a store");
   return absl::OkStatus();
 }
 

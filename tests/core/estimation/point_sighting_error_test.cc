@@ -51,6 +51,13 @@ TEST(SquareRootInformation, WeightsAPointsErrorByTheFullInformationMatrix) {
               1e-9 * e.dot(information * e));
 }
 
+TEST(SquareRootInformation, ThereIsNoneWhoseFactorOverflows) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
+  information(0, 0) = 1e-10;
+  information(0, 2) = information(2, 0) = 1e306;
+  EXPECT_FALSE(SquareRootInformation(information).ok());
+}
+
 TEST(LandmarkSightingError, IsTheErrorInTheObserversAxesWeightedByTheFullInformation) {
   std::mt19937 random(2);
   const PoseBlock pose(RandomPose(random));

@@ -149,6 +149,8 @@ TEST(ReadG2o, RefusesBadInputAndNamesTheLine) {
        "file:1: the information matrix is not"},
       {"overflowing information", "EDGE_SE2 0 1 1 0 0  1 1e300 0 1 0 1\n",
        "file:1: the information matrix is not"},
+      {"an overflowing factor", "EDGE_SE2 0 1 1 0 0  1e-10 0 1e306 1 0 1\n",
+       "file:1: the information matrix is not"},
       {"a gap in the ids", planar_edge + "EDGE_SE2 3 4 1 0 0  1 0 0 1 0 1\n",
        "file: vertex 3 has neither a pose nor an edge from 2"},
       {"no newline at all", std::string(100000, '7'), "file:1: longer than 4096 characters"},

@@ -62,6 +62,8 @@ TEST(CheckSubmap, EveryBadFieldIsNamed) {
        [](Submap& s) { s.landmark_sightings[0].covariance(1, 1) = 0; }},
       {"landmark_sightings[0]: covariance",
        [](Submap& s) { s.landmark_sightings[0].covariance(0, 1) = 0.5; }},
+      {"landmark_sightings[0]: covariance",  // its inverse is beyond a double
+       [](Submap& s) { s.landmark_sightings[0].covariance *= 1e-110; }},
       {"robot_sightings[0]: robot", [](Submap& s) { s.robot_sightings[0].robot = "a"; }},
       {"robot_sightings[0]: robot", [](Submap& s) { s.robot_sightings[0].robot = "B"; }},
       {"robot_sightings[0]: point_in_body",
