@@ -51,6 +51,8 @@ int FlagsOf(SqliteDatabase::Mode mode) {
 }  // namespace
 
 absl::Status SqliteError(int code, absl::string_view message) {
+  // A damaged header: SQLite has no code of its own for it.
+  if (message == "unsupported file format") code = SQLITE_CORRUPT;
   return absl::Status(CodeOf(code), absl::StrCat("database: ", message));
 }
 

@@ -18,6 +18,8 @@ namespace overtone {
 namespace {
 
 constexpr absl::Duration kPatience = absl::Seconds(60);
+// For what many processes have left.
+constexpr absl::Duration kPatienceInTheEnd = absl::Minutes(14);
 
 // One write each: a line is there as a whole or not at all.
 void Say(const char* what, int64_t sequence) {
@@ -61,7 +63,7 @@ int Main(char** arguments) {
   if (!client.ok()) return Fail(client.status());
   Say("next", (*client)->NextSubmap().sequence);
   if (std::strcmp(arguments[3], "run") == 0) return Run(**client);
-  const absl::Status status = (*client)->WaitUntilAcknowledged(kPatience);
+  const absl::Status status = (*client)->WaitUntilAcknowledged(kPatienceInTheEnd);
   return status.ok() ? 0 : Fail(status);
 }
 

@@ -156,7 +156,7 @@ TEST(RobotKill, WhatPersistedReachesTheServerOnceAndInOrder) {
   }
 
   RobotProcess last(directory.path(), server.address(), "drain");
-  last.ReadUntil(Clock::now() + std::chrono::seconds(90), [] { return false; });
+  last.ReadUntil(Clock::now() + std::chrono::seconds(900), [] { return false; });
   const int status = last.Wait();
   ASSERT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
   ASSERT_GT(last.next, persisted);

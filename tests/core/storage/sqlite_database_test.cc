@@ -82,5 +82,20 @@ TEST(SqliteDatabase, AFileThatIsNoDatabaseIsDataLoss) {
             absl::StatusCode::kDataLoss);
 }
 
+TEST(SqliteDatabase, ASchemaFormatThatDoesNotExistIsDataLoss) {
+  const std::string path = FreshPath("schema_format.db");
+  {
+    const auto database = SqliteDatabase::Open(path, SqliteDatabase::Mode::kCreate);
+    ASSERT_TRUE(database.ok() && (*database)->Execute("CREATE TABLE t (id INTEGER)").ok());
+  }
+  // https://www.sqlite.org/fileformat2.html, "The Database Header": four bytes from 44 on, 1 to 4;
+  // SQLite looks at the last.
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary).seekp(47) << '\x7f';
+  auto database = SqliteDatabase::Open(path, SqliteDatabase::Mode::kReadWrite);
+  ASSERT_TRUE(database.ok()) << database.status();
+  EXPECT_EQ((*database)->QueryInt("SELECT count(*) FROM sqlite_schema").status().code(),
+            absl::StatusCode::kDataLoss);
+}
+
 }  // namespace
 }  // namespace overtone
