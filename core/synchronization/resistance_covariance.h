@@ -19,8 +19,8 @@
 //   - with loops it is never below the joint marginal: a loop's positions also tell of headings, of
 //     which two networks know nothing;
 //   - Kron reduction leaves R_t and R_r as they are, but not the lever term, which takes a reduced
-//     edge's error to arise at its second end. Along a chain of steps d reduced to edges of length
-//     l it is off by less than R_r times |p| l.
+//     edge's error to arise at its second end: with edges of length l along a chain, levers of up
+//     to p are off by l, and the variance by at most R_r (2 p l + l^2).
 // Limits: errors small enough to be linear; covariances of edges that are not isotropic go in by
 // their means over the axes.
 #ifndef OVERTONE_CORE_SYNCHRONIZATION_RESISTANCE_COVARIANCE_H_
