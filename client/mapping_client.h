@@ -19,6 +19,7 @@
 #include "overtone/core/graph/map_graph.h"
 #include "overtone/core/graph/submap.h"
 #include "overtone/core/synchronization/drift_onset.h"
+#include "overtone/core/synchronization/noise_floor.h"
 #include "overtone/core/synchronization/trajectory_comparison.h"
 
 namespace overtone {
@@ -58,6 +59,9 @@ struct SynchronizationReport {
   // predicted with the batch, or what would have been one, applied.
   double rmse_before_m = 0;
   double predicted_rmse_m = 0;
+  // By band: whether anything is wrong. Where no band exceeds its noise, and positions agree up to
+  // theirs (position_noise.h), no constraint was looked for.
+  BandLevels bands;
   // Where odometry begins to be off in a way that its noise does not explain, and at which scale.
   std::optional<DriftOnset> onset;
   // Why there is no batch though constraints were selected; empty: no reason.

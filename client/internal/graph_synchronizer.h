@@ -19,6 +19,7 @@
 #include "overtone/core/synchronization/constraint_history.h"
 #include "overtone/core/synchronization/correction_gate.h"
 #include "overtone/core/synchronization/host_prediction.h"
+#include "overtone/core/synchronization/noise_floor.h"
 #include "overtone/core/synchronization/odometry_record.h"
 #include "overtone/core/synchronization/selection_context.h"
 #include "overtone/core/synchronization/synchronization_options.h"
@@ -37,11 +38,12 @@ class GraphSynchronizer {
   void AddKeyframes(int64_t first_index, const std::vector<Keyframe>& keyframes)
       ABSL_LOCKS_EXCLUDED(mutex_);
 
-  // compare -> select -> reconcile with what the host already has -> one batch -> predict and judge
-  // it -> commit when the host applied it. A batch that is held back is judged anew with the next
-  // comparison, one that did not do what was predicted is retracted. A batch that the host refuses
-  // is forgotten, so that the next comparison offers it anew. Errors of TrajectoryComparator:
-  // NotFound, FailedPrecondition, InvalidArgument. Internal: the host's Trajectory() threw.
+  // compare -> is anything wrong at all -> select -> reconcile with what the host already has ->
+  // one batch -> predict and judge it -> commit when the host applied it. A batch that is held back
+  // is judged anew with the next comparison, one that did not do what was predicted is retracted. A
+  // batch that the host refuses is forgotten, so that the next comparison offers it anew. Errors of
+  // TrajectoryComparator: NotFound, FailedPrecondition, InvalidArgument. Internal: the host's
+  // Trajectory() threw.
   absl::StatusOr<SynchronizationReport> Synchronize(const MapGraph& graph);
 
  private:
@@ -52,6 +54,12 @@ class GraphSynchronizer {
   const OdometryRecord& Record() const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
     return record_explains_host_ ? odometry_ : nothing_recorded_;
   }
+  // The batch, or why there is none. True: there is nothing to correct.
+  bool Select(SynchronizationReport& report, const SelectionContext& context,
+              HostPrediction& prediction) ABSL_LOCKS_EXCLUDED(mutex_);
+  // Fills how the batch moves the newest keyframe.
+  void SetBlend(SynchronizationReport& report, HostPrediction prediction) const
+      ABSL_LOCKS_EXCLUDED(mutex_);
   // Fills what the report says of the prediction.
   HostPrediction Judge(SynchronizationReport& report, const SelectionContext& context)
       ABSL_LOCKS_EXCLUDED(mutex_);
@@ -60,6 +68,7 @@ class GraphSynchronizer {
   const SynchronizationOptions options_;
   HostEstimator* const host_;
   TrajectoryComparator comparator_;
+  NoiseFloor noise_floor_;
   ConstraintHistory history_;
   CorrectionGate gate_;
   const OdometryRecord nothing_recorded_;

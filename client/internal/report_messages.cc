@@ -17,7 +17,7 @@ namespace {
 // Of a link's capacity, for reports.
 constexpr double kShare = 0.05;
 // Serialised: the fixed part, and what a node and a constraint's ends take at the most.
-constexpr double kFixedBytes = 200;
+constexpr double kFixedBytes = 280;
 constexpr double kNodeBytes = 17;
 constexpr double kConstraintBytes = 24;
 constexpr int kFewestNodes = 10;
@@ -74,6 +74,12 @@ void AddDiscrepancy(const TrajectoryComparison& comparison, int max_nodes,
   for (Eigen::Index i = 0; i < stretches; ++i) {
     AddStretch(comparison, i * size / stretches, (i + 1) * size / stretches, message);
   }
+}
+
+void SetLevel(const BandLevel& level, v1::BandLevel& message) {
+  message.set_noise(Tellable(level.noise));
+  message.set_largest(Tellable(level.largest));
+  message.set_exceeds(level.exceeds);
 }
 
 void AddConstraints(const ConstraintBatch& batch, int max_ends, v1::ComparisonReport& message) {
@@ -149,6 +155,10 @@ v1::ComparisonReport ToProto(const SynchronizationReport& report, const ReportDe
   message.set_rmse_before_m(Tellable(report.rmse_before_m));
   message.set_predicted_rmse_m(Tellable(report.predicted_rmse_m));
   message.set_held_back(report.held_back);
+  const auto level = [&](Band band) { return report.bands[static_cast<size_t>(band)]; };
+  SetLevel(level(Band::kSmall), *message.mutable_small_level());
+  SetLevel(level(Band::kMid), *message.mutable_mid_level());
+  SetLevel(level(Band::kLarge), *message.mutable_large_level());
   return message;
 }
 

@@ -51,6 +51,14 @@ struct ConstraintBatch {
   std::vector<Constraint> update;    // known id, new transform
   std::vector<std::string> retract;  // ids that the server's estimate no longer supports
 
+  // How the newest keyframe is predicted to move, as the host sees it, and in how many seconds that
+  // may be blended into what controllers are given, by SynchronizationOptions::blend
+  // (correction_blend.h has a helper). The estimate itself is to be corrected at once. 0: no
+  // prediction could be made.
+  double newest_move_m = 0;
+  double newest_turn_rad = 0;
+  double blend_s = 0;
+
   bool empty() const { return add.empty() && update.empty() && retract.empty(); }
 };
 

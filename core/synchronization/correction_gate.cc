@@ -23,6 +23,10 @@ int RowOf(const TrajectoryComparison& comparison, int64_t index) {
   return static_cast<int>(row - held.begin());
 }
 
+double RmseBefore(const TrajectoryComparison& comparison, const HostPrediction& prediction) {
+  return AlignedRmse(prediction.Of(comparison.onboard), prediction.Of(comparison.server));
+}
+
 // The largest motion of a pose, seen from the first, which stays.
 std::pair<double, double> LargestCorrection(const std::vector<Rigid3d>& before,
                                             const std::vector<Rigid3d>& after) {
@@ -65,6 +69,13 @@ std::string CorrectionGate::JudgeOdometry(const TrajectoryComparison& comparison
                          suspicious_revisions_, options_.gate.revisions_to_believe);
 }
 
+bool CorrectionGate::Gains(const TrajectoryComparison& comparison,
+                           const HostPrediction& prediction) const {
+  const double before_m = RmseBefore(comparison, prediction);
+  const double needed_m = std::min(options_.gate.min_gain_m, kSmallestShare * before_m);
+  return before_m - prediction.rmse_m > needed_m;
+}
+
 std::string CorrectionGate::Judge(const TrajectoryComparison& comparison,
                                   const SelectionContext& context, const ConstraintBatch& batch,
                                   const HostPrediction& prediction) {
@@ -73,12 +84,9 @@ std::string CorrectionGate::Judge(const TrajectoryComparison& comparison,
     return absl::StrCat("an earlier batch did not do what was predicted; ", comparisons_to_wait_--,
                         " comparisons to wait");
   }
-  const double before_m =
-      AlignedRmse(prediction.Of(comparison.onboard), prediction.Of(comparison.server));
-  const double needed_m = std::min(options_.gate.min_gain_m, kSmallestShare * before_m);
-  if (!(before_m - prediction.rmse_m > needed_m)) {
+  if (!Gains(comparison, prediction)) {
     return absl::StrFormat("no gain: predicted %.3f m from the server's estimate, now %.3f m",
-                           prediction.rmse_m, before_m);
+                           prediction.rmse_m, RmseBefore(comparison, prediction));
   }
   const auto [move_m, turn_rad] =
       LargestCorrection(prediction.Of(comparison.onboard), prediction.poses);

@@ -28,6 +28,9 @@ class CorrectionGate {
   std::string Judge(const TrajectoryComparison& comparison, const SelectionContext& context,
                     const ConstraintBatch& batch, const HostPrediction& prediction);
 
+  // Whether the host is predicted to come nearer to the server's estimate by more than noise.
+  bool Gains(const TrajectoryComparison& comparison, const HostPrediction& prediction) const;
+
   // The host applied it.
   void Applied(const TrajectoryComparison& comparison, const ConstraintBatch& batch,
                const HostPrediction& prediction);

@@ -70,6 +70,15 @@ absl::Status GateOptions::Validate() const {
   return absl::OkStatus();
 }
 
+absl::Status NoiseFloorOptions::Validate() const {
+  RETURN_IF_ERROR(Positive({{"noise_floor.published_tolerance_m", published_tolerance_m},
+                            {"noise_floor.published_tolerance_rad", published_tolerance_rad}}));
+  if (!(false_alarm_probability > 0 && false_alarm_probability < 1)) {
+    return NotInRange("noise_floor.false_alarm_probability", false_alarm_probability, "in (0, 1)");
+  }
+  return absl::OkStatus();
+}
+
 absl::Status SynchronizationOptions::Validate() const {
   RETURN_IF_ERROR(graph.Validate());
   RETURN_IF_ERROR(wavelets.Validate());
@@ -78,7 +87,9 @@ absl::Status SynchronizationOptions::Validate() const {
   }
   RETURN_IF_ERROR(NonNegative({{"association_tolerance_s", association_tolerance_s}}));
   RETURN_IF_ERROR(selection.Validate());
+  RETURN_IF_ERROR(noise_floor.Validate());
   RETURN_IF_ERROR(gate.Validate());
+  RETURN_IF_ERROR(blend.Validate());
   RETURN_IF_ERROR(odometry.Validate());
   return constraints.Validate();
 }

@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "overtone/core/spectral/edge_weights.h"
 #include "overtone/core/spectral/wavelet_transform.h"
+#include "overtone/core/synchronization/correction_blend.h"
 #include "overtone/core/synchronization/odometry_model.h"
 
 namespace overtone {
@@ -88,6 +89,19 @@ struct GateOptions {
   absl::Status Validate() const;  // InvalidArgument naming the member
 };
 
+// Is anything wrong at all (noise_floor.h)? Where not, no constraint is looked for.
+struct NoiseFloorOptions {
+  bool enabled = true;
+  // Of one comparison in which nothing is wrong, at most.
+  double false_alarm_probability = 1e-3;
+  // Largest error of a published pose: the server's graph.position_tolerance_m and
+  // rotation_tolerance_rad.
+  double published_tolerance_m = 2e-3;
+  double published_tolerance_rad = 5e-4;
+
+  absl::Status Validate() const;  // InvalidArgument naming the member
+};
+
 struct SynchronizationOptions {
   RadiusGraphOptions graph;  // metric of the edges
   WaveletOptions wavelets;
@@ -101,7 +115,9 @@ struct SynchronizationOptions {
   bool multi_robot_graph = false;
   SelectionOptions selection;
   ConstraintOptions constraints;
+  NoiseFloorOptions noise_floor;
   GateOptions gate;
+  BlendLimits blend;
   OdometryModel odometry;  // of steps whose covariance is not known
 
   absl::Status Validate() const;  // InvalidArgument naming the member

@@ -84,6 +84,11 @@ absl::Status ValidateColumn(absl::string_view field,
   return absl::OkStatus();
 }
 
+absl::Status ValidateLevel(absl::string_view field, const v1::BandLevel& level) {
+  RETURN_IF_ERROR(FiniteAndNotNegative(absl::StrCat(field, ".noise"), level.noise()));
+  return FiniteAndNotNegative(absl::StrCat(field, ".largest"), level.largest());
+}
+
 absl::Status ValidateConstraints(const v1::ComparisonReport& comparison) {
   if (comparison.constraints_size() > report_limits::kMaxConstraintCounts) {
     return InvalidField("constraints", absl::StrCat(comparison.constraints_size(), ", at most ",
@@ -138,6 +143,9 @@ absl::Status Validate(const v1::ComparisonReport& comparison) {
   RETURN_IF_ERROR(NotNegative("retracted", comparison.retracted()));
   RETURN_IF_ERROR(FiniteAndNotNegative("rmse_before_m", comparison.rmse_before_m()));
   RETURN_IF_ERROR(FiniteAndNotNegative("predicted_rmse_m", comparison.predicted_rmse_m()));
+  RETURN_IF_ERROR(ValidateLevel("small_level", comparison.small_level()));
+  RETURN_IF_ERROR(ValidateLevel("mid_level", comparison.mid_level()));
+  RETURN_IF_ERROR(ValidateLevel("large_level", comparison.large_level()));
   return Text("held_back", comparison.held_back(), report_limits::kMaxHeldBackBytes);
 }
 

@@ -121,6 +121,9 @@ TEST(ReportConversion, EveryFieldOfAComparisonIsChecked) {
           {"retracted", [](auto& m) { m.set_retracted(-1); }},
           {"rmse_before_m", [](auto& m) { m.set_rmse_before_m(kInfinity); }},
           {"predicted_rmse_m", [](auto& m) { m.set_predicted_rmse_m(-1); }},
+          {"small_level.noise", [](auto& m) { m.mutable_small_level()->set_noise(-1); }},
+          {"mid_level.largest", [](auto& m) { m.mutable_mid_level()->set_largest(kInfinity); }},
+          {"large_level.noise", [](auto& m) { m.mutable_large_level()->set_noise(kNan); }},
           {"held_back", [](auto& m) { m.mutable_held_back()->push_back('x'); }},
           {"held_back", [](auto& m) { m.set_held_back("two\nlines"); }},
       });

@@ -59,6 +59,30 @@ TEST_F(GraphSynchronizerTest, DriftGivesOneBatchOfTheServersRelativePoses) {
   }
 }
 
+// The newest keyframe is bent away by 0.5 m, and the first stays where it is.
+TEST_F(GraphSynchronizerTest, ABatchSaysHowSlowlyTheNewestPoseMayBeMoved) {
+  SynchronizationOptions options;
+  options.blend.max_velocity_m_per_s = 0.25;
+  options.blend.max_turn_rad_per_s = 100;
+  GraphSynchronizer synchronizer(TestMission(), options, &host_);
+  SetTrajectory(/*bend_m=*/0.5);
+  const auto report = synchronizer.Synchronize(StraightGraph(kNumNodes, 1));
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_FALSE(report->batch.empty());
+  EXPECT_NEAR(report->batch.newest_move_m, 0.5, 0.1);
+  EXPECT_NEAR(report->batch.blend_s, report->batch.newest_move_m / 0.25, 1e-9);
+}
+
+// Ten keyframes that the server does not have yet turn about the last that it has.
+TEST_F(GraphSynchronizerTest, WhatTheServerDoesNotHaveYetMovesAlong) {
+  SetTrajectory(/*bend_m=*/0.5);
+  const auto report = synchronizer_.Synchronize(StraightGraph(kNumNodes - 10, 1));
+  ASSERT_TRUE(report.ok()) << report.status();
+  ASSERT_FALSE(report->batch.empty());
+  EXPECT_NEAR(report->batch.newest_move_m, 0.5, 0.2);
+  EXPECT_GT(report->batch.blend_s, 0);
+}
+
 TEST_F(GraphSynchronizerTest, WhatTheHostAppliedIsNotOfferedAgain) {
   SetTrajectory(0.5);
   ASSERT_TRUE(synchronizer_.Synchronize(StraightGraph(kNumNodes, 1)).ok());

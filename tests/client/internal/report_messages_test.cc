@@ -117,6 +117,20 @@ TEST(ReportMessages, WhatWasPredictedAndWhyNothingWasAskedIsTold) {
   EXPECT_EQ(message.held_back(), "it would do harm");
 }
 
+TEST(ReportMessages, EachBandSaysWhetherItExceedsItsNoise) {
+  SynchronizationReport report;
+  report.bands[static_cast<size_t>(Band::kMid)] = {0.02, 3, false};
+  report.bands[static_cast<size_t>(Band::kLarge)] = {0.5, 11, true};
+  const v1::ComparisonReport message = ToProto(report, ReportDetail(), absl::Now());
+  EXPECT_EQ(message.mid_level().noise(), 0.02);
+  EXPECT_EQ(message.mid_level().largest(), 3);
+  EXPECT_FALSE(message.mid_level().exceeds());
+  EXPECT_EQ(message.large_level().largest(), 11);
+  EXPECT_TRUE(message.large_level().exceeds());
+  EXPECT_TRUE(message.small_level().exceeds());  // nothing is known
+  EXPECT_TRUE(Validate(message).ok()) << Validate(message);
+}
+
 TEST(ReportMessages, WhatIsNoNumberIsStillTakenByTheServer) {
   SynchronizationReport report = ReportOf(4);
   report.comparison.discrepancy.setConstant(kNan);

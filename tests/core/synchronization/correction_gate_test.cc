@@ -67,6 +67,18 @@ TEST(CorrectionGate, HoldsBackWhatMovesTheRobotFurtherThanItMayBe) {
   EXPECT_THAT(Judge(gate, MakeCase(MakeDriftingMission(150, 1), 1)), HasSubstr("at most 0.05 m"));
 }
 
+TEST(CorrectionGate, BoundsHowFarAnyPoseTurnsAndLetsPassWhatKeepsToBothBounds) {
+  const Case c = MakeCase(MakeDriftingMission(150, 1), 1);
+  SynchronizationOptions options = Options();
+  options.gate.max_correction_rad = 0.001;
+  CorrectionGate turning(options);
+  EXPECT_THAT(Judge(turning, c), HasSubstr("at most inf m, 0.001 rad"));
+  options.gate.max_correction_m = 100;
+  options.gate.max_correction_rad = 3.2;  // no turn is larger
+  CorrectionGate wide(options);
+  EXPECT_EQ(Judge(wide, c), "");
+}
+
 // The server believes in a false closure: behind row 70 everything is 4 m off.
 DriftingMission WithFalseClosure(DriftingMission mission) {
   for (int i = 70; i < mission.truth.size(); ++i) mission.truth[i].translation.y() += 4;
