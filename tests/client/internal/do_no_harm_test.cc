@@ -75,8 +75,9 @@ class Robot {
 
  private:
   double Rmse(const std::vector<Rigid3d>& poses) const {
-    return AlignedRmse({poses.begin(), poses.begin() + driven_},
-                       {mission_.truth.begin(), mission_.truth.begin() + driven_});
+    return AlignedRmse(
+        std::vector<Rigid3d>(poses.begin(), poses.begin() + driven_),
+        std::vector<Rigid3d>(mission_.truth.begin(), mission_.truth.begin() + driven_));
   }
 
   const DriftingMission mission_;
