@@ -12,7 +12,7 @@ skip() {
   exit 77
 }
 
-[ "${OVERTONE_CONTAINER_TESTS:-ON}" != OFF ] || skip "OVERTONE_CONTAINER_TESTS=OFF"
+[ "${OVERTONE_TEST_CONTAINERS:-ON}" != OFF ] || skip "OVERTONE_TEST_CONTAINERS=OFF"
 command -v docker >/dev/null || skip "there is no docker"
 timeout 20 docker info >/dev/null 2>&1 || skip "no Docker engine answers"
 

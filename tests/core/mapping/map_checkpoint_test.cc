@@ -128,8 +128,9 @@ TEST_P(MapCheckpointTest, TheRestoredMapIsTheSameAndGoesOnTheSame) {
   Feed(lasting, entries_, stop, entries_.size());
   Feed(restored, entries_, stop, entries_.size());
   // Not to the last bit: the lasting map keeps stretches of odometry as they were relaxed, the
-  // other has relaxed them anew.
-  ExpectSame(*lasting.Optimise(), *restored.Optimise(), 1e-6);
+  // other has relaxed them anew, and each stops where what is left gains next to nothing: 10 um
+  // here, of the 2 mm to which poses are published.
+  ExpectSame(*lasting.Optimise(), *restored.Optimise(), 1e-5);
   EXPECT_EQ(lasting.history().records().back().accepted,
             restored.history().records().back().accepted);
 }
