@@ -11,7 +11,6 @@
 #include "benchmark/benchmark.h"
 #include "overtone/services/mapping_server/graph_frames.h"
 #include "overtone/tests/support/street_team.h"
-#include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
@@ -63,10 +62,3 @@ BENCHMARK(BM_Downlink)
 
 }  // namespace
 }  // namespace overtone
-
-int main(int argc, char** argv) {
-  spdlog::set_level(spdlog::level::err);
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
-}

@@ -27,7 +27,6 @@
 #include "overtone/services/mapping_server/quota/robot_quotas.h"
 #include "overtone/services/mapping_server/security/server_security.h"
 #include "overtone/tests/support/synthetic_graph.h"
-#include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
@@ -258,10 +257,3 @@ BENCHMARK(BM_FanOut)
 
 }  // namespace
 }  // namespace overtone
-
-int main(int argc, char** argv) {
-  spdlog::set_level(spdlog::level::err);
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
-}

@@ -33,7 +33,6 @@
 #include "overtone/services/mapping_server/mapping_server.h"
 #include "overtone/tests/support/straight_mission.h"
 #include "overtone/tests/support/temporary_directory.h"
-#include "spdlog/spdlog.h"
 
 namespace overtone {
 namespace {
@@ -352,10 +351,3 @@ BENCHMARK(BM_Upload)
 
 }  // namespace
 }  // namespace overtone
-
-int main(int argc, char** argv) {
-  spdlog::set_level(spdlog::level::err);
-  benchmark::Initialize(&argc, argv);
-  benchmark::RunSpecifiedBenchmarks();
-  return 0;
-}

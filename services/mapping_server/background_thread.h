@@ -4,9 +4,9 @@
 
 namespace overtone {
 
-// From now on the calling thread, and those it starts, let others of the process go first (nice 5:
-// a quarter of a core's share beside a busy thread of normal priority). For optimising,
-// searching and merging: an acknowledgement never waits for them.
+// From now on the calling thread, and those it starts, let others of the process go first (nice +5:
+// a quarter of a core beside a busy thread of normal priority). For optimising, searching and
+// merging, which acknowledgements are not to wait for.
 void RunInBackground();
 
 }  // namespace overtone
